@@ -1,7 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "retarget/export.h"
 
@@ -18,6 +20,10 @@ namespace RETARGET_API retarget {
 /// Extensions of these files for messages: `.bvh, .fbx or .npz`.
 [[nodiscard]] std::string human_endings_text();
 [[nodiscard]] std::string robot_endings_text();
+
+/// The other files that belong to a motion file: the buffers of a `.gltf` file that lie in its folder,
+/// without repetitions. Returns none if the file cannot be read.
+[[nodiscard]] std::vector<std::filesystem::path> companion_files(const std::string& path);
 
 /// Whether a folder holds a motion of format kCsvSonic.
 [[nodiscard]] bool is_sonic_folder(const std::string& path);

@@ -53,4 +53,7 @@ using FindRecorded = std::function<std::string(const std::string& path, const st
 [[nodiscard]] Result<std::string> folder_hash(const std::filesystem::path& folder,
                                               std::string_view ending);
 
+/// Hashes a motion: a file together with its companion_files(), or a folder.
+[[nodiscard]] Result<std::string> motion_hash(const std::string& path);
+
 }  // namespace retarget

@@ -20,9 +20,17 @@ FileFacts facts_in(const os::FileStatus& status) {
   return {status.bytes, status.modified_ns};
 }
 
-Result<std::string> hash_motion(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_directory(path, ignored) ? folder_hash(path, "") : hash_file(path);
+// Total size and latest modification of several files.
+FileFacts facts_of_all(const std::vector<std::filesystem::path>& files) {
+  FileFacts all;
+  for (const auto& file : files) {
+    const auto status = os::status_of(file.generic_string());
+    if (!status) continue;
+    const FileFacts one = facts_in(*status);
+    all.bytes += one.bytes;
+    all.modified_ns = std::max(all.modified_ns, one.modified_ns);
+  }
+  return all;
 }
 
 }  // namespace
@@ -30,17 +38,13 @@ Result<std::string> hash_motion(const std::string& path) {
 std::optional<FileFacts> facts_of(const std::string& path) {
   const auto status = os::status_of(path);
   if (!status) return std::nullopt;
-  if (status->kind == os::EntryKind::kRegular) return facts_in(*status);
-  if (status->kind != os::EntryKind::kFolder || !is_sonic_folder(path)) return std::nullopt;
-  FileFacts all;
-  for (const auto& file : files_in_folder(path)) {
-    const auto inside = os::status_of(file.generic_string());
-    if (!inside) continue;
-    const FileFacts one = facts_in(*inside);
-    all.bytes += one.bytes;
-    all.modified_ns = std::max(all.modified_ns, one.modified_ns);
+  if (status->kind == os::EntryKind::kRegular) {
+    std::vector<std::filesystem::path> files = companion_files(path);
+    files.emplace_back(path);
+    return facts_of_all(files);
   }
-  return all;
+  if (status->kind != os::EntryKind::kFolder || !is_sonic_folder(path)) return std::nullopt;
+  return facts_of_all(files_in_folder(path));
 }
 
 Result<FileRecord> record_file(const std::string& path, std::string name) {
@@ -52,7 +56,7 @@ Result<FileRecord> record_file(const std::string& path, std::string name) {
   if (!facts && status->kind == os::EntryKind::kFolder)
     return input_failure(path, "this folder cannot be read");
   if (!facts) return input_failure(path, "cannot read the file: not a file");
-  RETARGET_TRY_ASSIGN(auto hash, hash_motion(path));
+  RETARGET_TRY_ASSIGN(auto hash, motion_hash(path));
   return FileRecord{std::move(name), facts->bytes, facts->modified_ns, std::move(hash)};
 }
 
@@ -64,7 +68,7 @@ RecordState look_at(const FileRecord& record, const std::string& path) {
 
 bool has_recorded_content(const FileRecord& record, const std::string& path) {
   if (look_at(record, path) == RecordState::kChanged) return false;
-  const auto hash = hash_motion(path);
+  const auto hash = motion_hash(path);
   return hash && *hash == record.hash;
 }
 

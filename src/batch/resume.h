@@ -17,7 +17,7 @@ struct FileFacts {
   std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
 };
 
-/// Attributes of a file. For a folder that is a motion (SONIC), the total size and the latest
+/// Attributes of a file, together with its companion_files(). For a folder that is a motion (SONIC), the total size and the latest
 /// modification of its files. Returns nothing for anything else.
 [[nodiscard]] std::optional<FileFacts> facts_of(const std::string& path);
 

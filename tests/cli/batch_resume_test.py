@@ -5,12 +5,14 @@ import json
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import time
 import unittest
 
+import gltf
 from batch_runs import FAST, BatchTest
-from tool import SOURCE, TOOL
+from tool import SOURCE, TOOL, sample
 
 
 class Resume(BatchTest):
@@ -48,6 +50,31 @@ class Resume(BatchTest):
         self.clips("d.bvh")
         self.assertEqual(self.redone(), ["a.csv", "d.csv"])
         self.assertEqual(len(self.manifest()), 4)
+
+    def test_changed_buffers_of_gltf_files(self):
+        folder = self.folder / "in"
+        folder.mkdir()
+        self.assert_done(self.run_tool("convert", str(sample("walk")), "walk.glb"))
+        glb = gltf.Glb(self.folder / "walk.glb")
+        glb.json["buffers"][0]["uri"] = "the%20numbers.bin"
+        (folder / "walk.gltf").write_text(json.dumps(glb.json))
+        (folder / "the numbers.bin").write_bytes(glb.binary)
+        self.assert_done(self.batch("--sidecar"))
+        self.assertEqual(self.redone("--sidecar"), [])
+        self.assert_done(self.run_tool("verify", "out/walk.csv.json"))
+        # The hips of a frame.
+        numbers = bytearray(glb.binary)
+        channels = glb.json["animations"][0]["channels"]
+        path = next(c for c in channels if c["target"]["path"] == "translation")
+        keys = glb.json["accessors"][glb.json["animations"][0]["samplers"][path["sampler"]]["output"]]
+        at = glb.json["bufferViews"][keys["bufferView"]]["byteOffset"]
+        numbers[at:at + 4] = struct.pack("<f", struct.unpack_from("<f", numbers, at)[0] + 0.01)
+        (folder / "the numbers.bin").write_bytes(numbers)
+        result = self.run_tool("verify", "out/walk.csv.json")
+        self.assertIn("walk.gltf", result.stderr)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertEqual([name for name in self.redone("--sidecar") if name.endswith(".csv")],
+                         ["walk.csv"])
 
     def test_changed_options_and_files_that_they_name(self):
         self.clips("a.bvh")

@@ -58,6 +58,23 @@ class Outputs(FormatsTest):
                           "two outputs")
         self.assertEqual(self.files(), [])
 
+    def test_options_of_formats_that_are_not_written(self):
+        for output, options, users in (
+                ("x.csv", ("--npz-fps", "60"), "npz-mjlab"),
+                ("x.csv", ("--npz-velocity", "mass"), "csv-sonic"),
+                ("x.csv", ("--motion-name", "a"), "pkl-pbhc"),
+                ("x.pkl", ("--format", "pkl-gmr", "--csv-header"), "csv"),
+                ("x.csv", ("--format", "csv-soma", "--csv-quat", "wxyz"), "csv")):
+            with self.subTest(options=options):
+                result = self.retarget(*options, output=output)
+                self.assert_fails(result, 2, "has no effect")
+                self.assertIn("it applies to", result.stderr)
+                self.assertIn(users, result.stderr)
+        self.assertEqual(self.files(), [])
+        # Given defaults change nothing, and one of several formats suffices.
+        self.converted(GOLDEN / "walk.csv", "x.csv", "--npz-fps", "50")
+        self.converted(GOLDEN / "walk.csv", "y", "--format", "csv,pkl-pbhc", "--motion-name", "a")
+
     def test_all_appear_or_none(self):
         # A clip of two frames has no tracking NPZ.
         result = self.retarget("--method", "gmr", "--frames", "0:2", "--format", "csv,npz-mjlab",

@@ -13,6 +13,7 @@
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
 #include "retarget/normalize_start.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/os.h"
 #include "retarget/run.h"
@@ -144,10 +145,25 @@ Result<void> check_ending(const OutputItem& item) {
       "give a name that matches the format");
 }
 
-}  // namespace
+// Rejects options that change only formats that are not written.
+Result<void> check_used(SaveOptions options, const std::vector<OutputItem>& items) {
+  SaveOptions default_options;
+  const OptionTable rows = save_table(options), defaults = save_table(default_options);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (to_text(rows[i].get()) == to_text(defaults[i].get())) continue;
+    const std::vector<std::string> users = formats_with_option(rows[i].name);
+    const auto uses = [&](const OutputItem& item) {
+      return std::ranges::count(users, format_name(item.format)) > 0;
+    };
+    if (users.empty() || std::ranges::any_of(items, uses)) continue;
+    return usage_failure(marked_option(rows[i].name) + " has no effect on " +
+                             std::string(format_name(items.front().format)),
+                         "it applies to " + list_names(users));
+  }
+  return {};
+}
 
-Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
-                                             const SaveOptions& options) {
+Result<std::vector<OutputItem>> items_of(const std::string& output, const SaveOptions& options) {
   if (output.empty()) {
     return usage_failure("no output is given",
                          "add " OPTION("output") " FILE, or - for standard output");
@@ -175,6 +191,15 @@ Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
     }
     items.push_back({format, base + std::string(format_long_ending(format))});
   }
+  return items;
+}
+
+}  // namespace
+
+Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
+                                             const SaveOptions& options) {
+  TRY_ASSIGN(auto items, items_of(output, options));
+  TRY(check_used(options, items));
   return items;
 }
 

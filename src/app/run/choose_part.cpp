@@ -10,7 +10,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/file.h"
-#include "retarget/hash.h"
+#include "retarget/fingerprint.h"
 #include "retarget/option_table.h"
 #include "retarget/text.h"
 
@@ -44,7 +44,7 @@ bool has_part(const PartOptions& part) {
 // Whether the recorded run read the same file, as far as this is known.
 bool is_same_source(const RecordedRun& recorded, const std::string& source) {
   if (recorded.source_hash.empty() || !is_file(source)) return true;
-  const auto hash = hash_file(source);
+  const auto hash = motion_hash(source);
   return hash && *hash == recorded.source_hash;
 }
 

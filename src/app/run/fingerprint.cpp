@@ -11,6 +11,7 @@
 #include "app/run/sidecar.h"
 #include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/file_endings.h"
 #include "retarget/fingerprint.h"
 #include "retarget/hash.h"
 #include "retarget/os.h"
@@ -257,6 +258,19 @@ Result<std::string> folder_hash(const fs::path& folder, std::string_view ending)
     hasher.update(file.filename().string() + " " + hash + "\n");
   }
   return hasher.finish();
+}
+
+Result<std::string> motion_hash(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return folder_hash(path, "");
+  TRY_ASSIGN(std::string hash, hash_file(path));
+  const std::vector<fs::path> companions = companion_files(path);
+  if (companions.empty()) return hash;
+  for (const fs::path& file : companions) {
+    TRY_ASSIGN(const std::string of_companion, hash_file(file.string()));
+    hash += " " + of_companion;
+  }
+  return hash_bytes(hash);
 }
 
 }  // namespace retarget

@@ -14,7 +14,6 @@
 #include "retarget/enum_names.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
-#include "retarget/hash.h"
 #include "retarget/human.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
@@ -39,19 +38,9 @@ Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,
   // A pipe has already been consumed; every other file must be hashable.
   std::error_code ignored;
   if (path != "-" && !fs::is_fifo(path, ignored)) {
-    TRY_ASSIGN(file.hash, hash_file(path));
+    TRY_ASSIGN(file.hash, motion_hash(path));
   }
   files.push_back(std::move(file));
-  return {};
-}
-
-// Adds the motion; a robot motion may be a folder.
-Result<void> add_motion(std::vector<ReadFile>& files, const std::string& motion,
-                        const std::string& data_folder) {
-  std::error_code ignored;
-  if (!fs::is_directory(motion, ignored)) return add_file(files, "motion", motion, data_folder);
-  TRY_ASSIGN(std::string hash, folder_hash(motion, ""));
-  files.push_back({"motion", recorded_name(motion, data_folder), motion, std::move(hash)});
   return {};
 }
 
@@ -198,7 +187,7 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
                                          const std::string& config) {
   const std::string& data_folder = robot.data_folder;
   std::vector<ReadFile> files;
-  TRY(add_motion(files, run.motion, data_folder));
+  TRY(add_file(files, "motion", run.motion, data_folder));
   if (const std::string& source = run.options.source.from_robot; !source.empty()) {
     TRY_ASSIGN(const SourceRobot from, load_source_robot(source, {data_folder}));
     TRY(add_file(files, "source_model", from.loaded.model, data_folder));

@@ -16,7 +16,6 @@
 #include "retarget/enum_names.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
-#include "retarget/hash.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
@@ -127,8 +126,7 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
   const std::string output = (beside / sidecar.output).string();
   std::error_code ignored;
   if (fs::exists(output, ignored)) {
-    TRY_ASSIGN(const std::string there,
-               fs::is_directory(output, ignored) ? folder_hash(output, "") : hash_file(output));
+    TRY_ASSIGN(const std::string there, motion_hash(output));
     if (there != sidecar.hash) {
       return run_failure(output, "the file has changed since the sidecar was written");
     }

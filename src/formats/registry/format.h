@@ -59,6 +59,8 @@ struct Format {
   Result<std::vector<FormattedFile>> (*write)(const RobotClip& clip, MotionFormat format,
                                               const WriteMotionOptions& options) = nullptr;
   std::vector<std::string> (*losses)(const RobotClip& motion) = nullptr;  ///< Null: none.
+  /// Names of the options that only some formats use, separated by blanks.
+  std::string_view options = {};
 
   [[nodiscard]] bool is_robots() const { return write != nullptr; }
 };
@@ -67,6 +69,9 @@ struct Format {
 [[nodiscard]] std::span<const Format> all_formats();
 
 [[nodiscard]] const Format& robot_format(MotionFormat format);
+
+/// Names of the formats that use an option; none if all formats do.
+[[nodiscard]] std::vector<std::string> formats_with_option(std::string_view option);
 
 /// Reads a human motion in the format of its content. Errors (kUsage): options that do not apply to
 /// this format. If the content may be a robot's motion, the hint explains how to read it.

@@ -43,6 +43,12 @@ constexpr FormatFamily kShown = {kinds_of({FileKind::kGltf}), ".glb", "", nullpt
 
 constexpr std::string_view kArrayFile = "`.npz`, `.npy`, `.pkl`, joblib, `.pt`";
 
+constexpr std::string_view kCsvOptions =
+    "csv-delimiter csv-header csv-quat csv-frame-column csv-degrees csv-centimetres";
+constexpr std::string_view kTrackingOptions = "npz-fps npz-velocity";
+constexpr std::string_view kNamed = "motion-name";
+constexpr std::string_view kSonicOptions = "npz-fps npz-velocity motion-name";
+
 constexpr Format kFormats[] = {
     {"bvh", kBvh, "`.bvh`", "LAFAN1, motion capture and animation programs", "bvh.md"},
     {"fbx", kFbx, "`.fbx`", "Mixamo, animation programs", "scenes.md"},
@@ -55,32 +61,34 @@ constexpr Format kFormats[] = {
 
     {"csv", kCsv, "text, one line per frame",
      "BeyondMimic, mjlab, unitree_rl_lab, unitree_rl_mjlab, PBHC, viewers", "", "",
-     MotionFormat::kCsv, ".csv", false, write_csv},
+     MotionFormat::kCsv, ".csv", false, write_csv, nullptr, kCsvOptions},
     {"csv-soma", kCsv, "text with a header; centimetres, degrees, Euler angles",
      "programs for SOMA's and BONES-SEED's files", "", "", MotionFormat::kCsvSoma, ".soma.csv",
      false, write_csv, soma_csv_losses},
     {"npz-mjlab", kNpz, "arrays in MuJoCo's order", "mjlab's tracking task", "", "joint_pos",
-     MotionFormat::kNpzMjlab, ".mjlab.npz", true, write_tracking_npz},
+     MotionFormat::kNpzMjlab, ".mjlab.npz", true, write_tracking_npz, nullptr, kTrackingOptions},
     {"npz-beyondmimic", kNpz, "arrays in Isaac Lab's order", "BeyondMimic (whole_body_tracking)",
-     "", "joint_pos", MotionFormat::kNpzBeyondMimic, ".beyondmimic.npz", true, write_tracking_npz},
+     "", "joint_pos", MotionFormat::kNpzBeyondMimic, ".beyondmimic.npz", true, write_tracking_npz,
+     nullptr, kTrackingOptions},
     {"npz-holosoma", kNpz, "arrays in MuJoCo's order, the root among the joints",
      "holosoma's whole-body tracking", "", "joint_pos", MotionFormat::kNpzHolosoma, ".holosoma.npz",
-     true, write_tracking_npz},
+     true, write_tracking_npz, nullptr, kTrackingOptions},
     {"pkl-gmr", kPickle, "Python pickle", "programs for GMR's files: TWIST2, GMT and others", "",
      "dof_pos", MotionFormat::kPklGmr, ".gmr.pkl", false, write_gmr_pickle},
     {"pkl-pbhc", kPickle, "Python pickle", "PBHC, ASAP", "", "root_trans_offset",
-     MotionFormat::kPklPbhc, ".pbhc.pkl", false, write_motion_lib_pickle, pbhc_losses},
+     MotionFormat::kPklPbhc, ".pbhc.pkl", false, write_motion_lib_pickle, pbhc_losses, kNamed},
     {"pkl-motion-lib", kPickle, "Python pickle, all joints",
      "SONIC's training (GR00T-WholeBodyControl)", "", "root_trans_offset",
-     MotionFormat::kPklMotionLib, ".motion-lib.pkl", false, write_motion_lib_pickle},
+     MotionFormat::kPklMotionLib, ".motion-lib.pkl", false, write_motion_lib_pickle, nullptr,
+     kNamed},
     {"pkl-mimickit", kPickle, "Python pickle", "MimicKit", "", "loop_mode",
      MotionFormat::kPklMimicKit, ".mimickit.pkl", false, write_mimickit_pickle},
     {"protomotions", kTorch, "`.motion`, a PyTorch file", "ProtoMotions", "", "rigid_body_pos",
      MotionFormat::kProtoMotions, ".motion", false, write_protomotions},
     {"csv-sonic", kFolder, "a folder of CSVs", "SONIC's deployment (GR00T-WholeBodyControl)", "",
-     "", MotionFormat::kCsvSonic, ".sonic", true, write_sonic_folder},
+     "", MotionFormat::kCsvSonic, ".sonic", true, write_sonic_folder, nullptr, kSonicOptions},
     {"glb", kShown, "glTF 2.0, binary", "Blender, three.js, 3D viewers", "", "", MotionFormat::kGlb,
-     ".glb", false, write_glb}};
+     ".glb", false, write_glb, nullptr, kNamed}};
 
 // The command line uses the names of the table, in its order.
 constexpr std::size_t kHumanFormats = 6;
@@ -139,6 +147,14 @@ const Format& robot_format(MotionFormat format) {
   return *std::ranges::find_if(kFormats, [format](const Format& row) {
     return row.is_robots() && row.motion_format == format;
   });
+}
+
+std::vector<std::string> formats_with_option(std::string_view option) {
+  std::vector<std::string> names;
+  for (const Format& format : kFormats) {
+    if (contains(format.options, option)) names.emplace_back(format.name);
+  }
+  return names;
 }
 
 std::string ending_of(const std::string& path) {

@@ -11,6 +11,7 @@
 #include "base/try.h"
 #include "motion/clip.h"
 #include "retarget/bytes.h"
+#include "retarget/file_endings.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -64,7 +65,30 @@ std::optional<fs::path> file_inside(const fs::path& folder, const std::string& n
   return file;
 }
 
+// The file of a buffer's relative name.
+std::optional<fs::path> buffer_file(const std::string& file_name, const std::string& uri) {
+  return file_inside(fs::path(file_name).parent_path(), unescaped(uri));
+}
+
 }  // namespace
+
+std::vector<fs::path> companion_files(const std::string& path) {
+  if (ending_of(path) != ".gltf") return {};
+  const auto content = read_file(path, ErrorKind::kInput, kMaxTextBytes);
+  if (!content) return {};
+  const auto document = GltfDocument::open(content->view(), path, 0);
+  if (!document) return {};
+  std::vector<fs::path> files;
+  for (const GltfJson& buffer : document->list("buffers")) {
+    const GltfJson* uri = gltf_member(buffer, "uri");
+    if (uri == nullptr || !uri->is_string()) continue;
+    const auto file = buffer_file(path, uri->get_ref<const std::string&>());
+    if (file && is_file(*file)) files.push_back(*file);
+  }
+  std::ranges::sort(files);
+  files.erase(std::ranges::unique(files).begin(), files.end());
+  return files;
+}
 
 const GltfJson* gltf_member(const GltfJson& object, const char* key) {
   if (!object.is_object()) return nullptr;
@@ -167,7 +191,7 @@ Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJ
                  "give the file by its name, or as GLB");
   }
   const std::string name = unescaped(text);
-  const auto file = file_inside(fs::path(file_name_).parent_path(), name);
+  const auto file = buffer_file(file_name_, text);
   if (!file) {
     return fault("its buffer \"" + printable(name) + "\" is not in the folder of the file",
                  "files elsewhere are not opened: export it as GLB, which is one file");
