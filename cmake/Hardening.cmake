@@ -8,9 +8,11 @@ include(CheckLinkerFlag)
 include(CheckPIESupported)
 add_library(retarget_hardening INTERFACE)
 set(retarget_is_hardened OFF)  # For the tests.
-# The solvers read no files, and the assertions would take 4 % of a run (docs/building.md).
-set(retarget_unchecked_wing solve)
-set(retarget_unchecked_options "")
+# Options of the solvers. They read no files, and the assertions would take 4 % of a run (docs/building.md). Without the
+# others, loops with square roots and conditional expressions do not vectorise; no code reads errno after a square root
+# or traps floating-point exceptions, and the values stay the same.
+set(retarget_solver_wing solve)
+set(retarget_solver_options "")
 
 # The Python module is a shared library of the same objects; its symbols are never interposed.
 set(retarget_position_independent "")
@@ -20,11 +22,15 @@ endif()
 
 # Sanitizers check more and conflict with these options.
 string(FIND "${CMAKE_CXX_FLAGS}" "-fsanitize" sanitized)
-if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR MSVC)
+if(NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR MSVC)
+  return()
+endif()
+set(retarget_solver_options -fno-math-errno -fno-trapping-math)
+if(NOT RETARGET_HARDENING)
   return()
 endif()
 set(retarget_is_hardened ON)
-set(retarget_unchecked_options -U_GLIBCXX_ASSERTIONS)
+list(APPEND retarget_solver_options -U_GLIBCXX_ASSERTIONS)
 
 # On Windows the linker randomises addresses and forbids code in data by default.
 if(MINGW)

@@ -52,10 +52,10 @@ macro(retarget_add_library name)
     target_compile_options(${target} PRIVATE ${retarget_position_independent})
     if(RETARGET_UNITY_BUILD)
       retarget_group_by_rooms(${target} ${sources})
-    elseif(${name} STREQUAL retarget AND retarget_unchecked_options)
-      list(FILTER sources INCLUDE REGEX "/src/${retarget_unchecked_wing}/")
+    elseif(${name} STREQUAL retarget AND retarget_solver_options)
+      list(FILTER sources INCLUDE REGEX "/src/${retarget_solver_wing}/")
       set_source_files_properties(${sources}
-        PROPERTIES COMPILE_OPTIONS "${retarget_unchecked_options}" SKIP_PRECOMPILE_HEADERS ON)
+        PROPERTIES COMPILE_OPTIONS "${retarget_solver_options}" SKIP_PRECOMPILE_HEADERS ON)
     endif()
     if(RETARGET_PRECOMPILE_HEADERS)
       target_precompile_headers(${target} PRIVATE <Eigen/Dense> <algorithm> <functional> <map> <memory>

@@ -14,6 +14,7 @@
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/options.h"
+#include "retarget/scene.h"
 
 // Edits of clips, as in `retarget edit` (docs/editing.md) and with the same defaults.
 //
@@ -157,6 +158,9 @@ struct Transferred : Edited {
 /// or, if the T-pose is a guess, from the nearest reflection of axes.
 /// @return a kInput error that names a joint without a counterpart; errors of turn_clip.
 [[nodiscard]] Result<Clip> mirror(const Clip& clip, const Calibration& calibration);
+/// The plane of mirror(), for the scene of a clip.
+/// @param clip  at least one frame.
+[[nodiscard]] MirrorPlane mirror_plane(const Clip& clip, const Calibration& calibration);
 
 // --- place ---
 

@@ -61,6 +61,13 @@ struct LiveOptions {
   bool hold_feet = true;  ///< kFrame only: pull feet in contact to their contact positions.
 };
 
+/// Largest time of a caller's clock, seconds. Larger numbers do not resolve single frames.
+inline constexpr double kMaxLiveTime = 1e12;
+/// Whether a number is a time of a caller's clock. NaN and infinity are none.
+[[nodiscard]] constexpr bool is_live_time(double seconds) {
+  return seconds >= -kMaxLiveTime && seconds <= kMaxLiveTime;
+}
+
 /// A pose of the human with its time.
 struct HumanFrame {
   /// Seconds on the sender's clock, with any origin; NaN: use the arrival time.
@@ -92,13 +99,14 @@ struct RobotFrame {
 /// Counters and timing estimates of a live session.
 struct LiveStatistics {
   std::int64_t received = 0;
-  std::int64_t bad = 0;      ///< Dropped: non-finite values, or the frame cannot be solved.
+  std::int64_t bad = 0;  ///< Dropped: non-finite values or times, or the frame cannot be solved.
   std::int64_t doubled = 0;  ///< Dropped: duplicates.
   std::int64_t late =
       0;  ///< Dropped: a later frame was already used, or the timestamp is implausible.
   std::int64_t skipped =
       0;  ///< Dropped: arrived late together with later frames; skipped to catch up.
-  std::int64_t lost = 0;  ///< Never arrived, inferred from the timestamps of the others.
+  /// Never arrived, inferred from the timestamps of the others; 0 without timestamps.
+  std::int64_t lost = 0;
   int clock_jumps = 0;    ///< Steps of the sender's clock.
   int clock_anchors = 0;  ///< Times that offset and rate of the sender's clock were re-estimated.
   int teleports = 0;      ///< Implausibly large displacements of the human between two frames.
@@ -137,7 +145,7 @@ class LiveSession {
 
   /// The next robot frame if one is due, else empty. After the first human frame, one is due every
   /// 1 / fps seconds, independent of the input. After every push, and when due() is reached, call
-  /// it until it returns nothing.
+  /// it until it returns nothing. Returns nothing for an invalid time (is_live_time).
   [[nodiscard]] std::optional<RobotFrame> pull(double now);
   /// Time at which the next robot frame is due, unless a human frame arrives earlier; empty before
   /// the first human frame. Seconds on the caller's clock.

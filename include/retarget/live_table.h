@@ -1,11 +1,16 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "retarget/enum_names.h"
+#include "retarget/error.h"
 #include "retarget/export.h"
 #include "retarget/live.h"
 #include "retarget/option_table.h"
+#include "retarget/options.h"
 #include "retarget/serve.h"
 
 namespace RETARGET_API retarget {
@@ -30,5 +35,19 @@ inline constexpr auto kEnumNames<LivePace> = std::to_array<NamedValue<LivePace>>
 
 /// The option rows of LiveOptions.
 [[nodiscard]] OptionTable live_table(LiveOptions& options);
+
+/// A table whose options add their names to `given` when they are set, so that options without an
+/// effect can be reported. Both must outlive the table.
+[[nodiscard]] OptionTable noting_given(OptionTable table, std::vector<std::string>& given);
+
+/// Rejects options of a session that have no effect with the others (kUsage): `lag` without kLag;
+/// options of the fit that single frames do not use.
+/// @param given  names of the options that were set.
+[[nodiscard]] Result<void> check_live_use(const LiveOptions& options, const Options& run,
+                                          std::span<const std::string> given);
+
+/// Checks options of a session that solves with a method. Errors (kUsage): values out of range;
+/// kLag with the method `gmr`.
+[[nodiscard]] Result<void> check_live_options(const LiveOptions& options, Method method);
 
 }  // namespace retarget

@@ -298,8 +298,10 @@ struct FormattedFile {
 [[nodiscard]] std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant);
 
 /// Losses when a motion is stored in a format, one line each: PBHC's files have fewer joints,
-/// SOMA's support only 120 frames per second and its divisors.
-[[nodiscard]] std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format);
+/// readers of SOMA's and SONIC's files assume a rate.
+/// @param rate  of the file.
+[[nodiscard]] std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format,
+                                                     const FrameRate& rate);
 
 /// Properties that a motion file does not state or states wrongly. Empty: detected, or the format's
 /// default.

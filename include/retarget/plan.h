@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -94,6 +95,9 @@ struct Plan {
   /// Number of frames of the motion that solve() makes.
   [[nodiscard]] std::int64_t frame_count() const;
 };
+
+/// Summary lines as text, with the labels in a column.
+[[nodiscard]] std::string summary_text(std::span<const SummaryLine> lines);
 
 /// Recognises and calibrates the human in a clip. If the clip's rotations do not match its
 /// positions, they are replaced.

@@ -53,6 +53,9 @@ inline constexpr std::array<std::string_view, 8> kSupportNames = {
     "left_knee", "right_knee", "left_elbow", "right_elbow",
     "left_hand", "right_hand", "seat",       "back"};
 
+/// The same part of the other side: `right_hand` for `left_hand`; `seat` for `seat`.
+[[nodiscard]] std::string part_of_other_side(const std::string& part);
+
 /// Contacts of a part of the human with a body of a scene, from a file.
 struct StatedContact {
   std::string part;           ///< One of kSupportNames.
@@ -68,6 +71,16 @@ struct ObjectTrack {
   /// Contacts of all parts with the body; empty: the file does not state them.
   std::vector<StatedContact> contacts;
 };
+
+/// A vertical plane of the world, for mirror images.
+struct MirrorPlane {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< Metres.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< Horizontal, unit length.
+};
+
+/// Replaces a scene and its tracks by their mirror images, as mirror() does with a clip. Exchanges
+/// left and right in stated contacts.
+void mirror_scene(const MirrorPlane& plane, Scene& scene, std::span<ObjectTrack> tracks);
 
 /// A scene over time: poses of all bodies, per frame.
 struct SceneClip {

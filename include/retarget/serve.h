@@ -73,6 +73,7 @@ struct PipelineStatistics {
   std::int64_t packets = 0;
   std::int64_t malformed = 0;  ///< Dropped packets: invalid, or with frames of another skeleton.
   std::int64_t crowded = 0;    ///< Dropped frames: too many in one packet.
+  std::int64_t foreign = 0;    ///< Dropped frames: of a new sender whose skeleton is missing.
   int skeletons = 0;           ///< Skeletons received.
   /// Rejected skeletons: not human or unusable; the previous body was kept.
   int refused_skeletons = 0;
@@ -129,9 +130,16 @@ struct ServeSummary {
 /// otherwise the clock.
 [[nodiscard]] Result<LivePace> chosen_pace(const ServeOptions& options);
 
-/// Runs until it is stopped, its duration is over or its input ends.
+/// Checks a run before it opens, creates or discards anything. serve() does it first. Errors:
+/// contradictory options, addresses that cannot be, a folder that is missing or already contains a
+/// recording (kUsage); files that the options name and that cannot be read (kConfig); a recording
+/// to replay that is missing (kInput).
+[[nodiscard]] Result<void> check_serve(const ServeOptions& options);
+
+/// Runs until it is stopped, its duration is over or its input ends. Files are opened after
+/// everything else, because opening a file discards its content.
 ///
-/// Errors: unavailable addresses; an unrecognised body. A failing output is not an error of the
+/// Errors: those of check_serve; unavailable addresses; an unrecognised body. A failing output is not an error of the
 /// run: the others continue. The run ends when no output accepts frames.
 [[nodiscard]] Result<ServeSummary> serve(const RobotSetup& robot, const ServeOptions& options,
                                          const ServeControl& control);

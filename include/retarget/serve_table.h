@@ -20,17 +20,20 @@ struct ServeRequest {
   ServeOptions serve;    ///< Except the skeleton.
   std::string skeleton;  ///< File of the skeleton; empty: none.
   bool plain = false;    ///< Use only the published method.
+  /// Names of the options that were set explicitly (serve_table, noting_given).
+  std::vector<std::string> given = {};
 };
 
 /// The options that a recording keeps: input, skeleton, calibration, retargeting, robot and human.
 [[nodiscard]] OptionTable recorded_serve_table(ServeRequest& request);
-/// All options of a live run.
+/// All options of a live run. Setting one adds its name to `given`.
 [[nodiscard]] OptionTable serve_table(ServeRequest& request);
 /// The options of a player that are not those of a human.
 [[nodiscard]] OptionTable player_table(PlayOptions& options);
 
 /// Restores the options of the recording to replay, if there is one, and checks the request.
-/// Errors (kUsage): no robot, or `record` and `replay` together; those of load_options.
+/// Errors: no robot, options that contradict each other or have no effect (kUsage); those of
+/// load_options.
 [[nodiscard]] Result<void> prepare_serve(ServeRequest& request);
 
 /// Loads the skeleton, chooses the pace, writes the options into the folder of the recording, and

@@ -129,29 +129,36 @@ inline double excess(double t) {
   return square * sum;
 }
 
-// Computes atan(known) + atan(t).
-inline double beyond(const KnownAngle& known, double t) {
-  return known.high - ((t * excess(t) - known.low) - t);
-}
-
-// Computes atan(y / x) for 0 <= y <= x, x > 0. Near a known angle, uses the tangent of the
+// Computes atan(y / x) for 0 <= y <= x, x > 0, as a known angle plus the atan of the tangent of the
 // difference.
 inline double octant(double y, double x) {
-  if (y < 0.4375 * x) {
-    const double t = y / x;
-    return t - t * excess(t);
-  }
-  if (y < 0.6875 * x) return beyond(kAtanHalf, (2.0 * y - x) / (2.0 * x + y));
-  return beyond(kAtanOne, (y - x) / (y + x));
+  const bool near_zero = y < 0.4375 * x, near_half = y < 0.6875 * x;
+  const double top = near_half ? 2.0 * y - x : y - x;
+  const double bottom = near_half ? 2.0 * x + y : y + x;
+  const double high = near_half ? kAtanHalf.high : kAtanOne.high;
+  const double low = near_half ? kAtanHalf.low : kAtanOne.low;
+  const double t = (near_zero ? y : top) / (near_zero ? x : bottom);
+  return (near_zero ? 0.0 : high) - ((t * excess(t) - (near_zero ? 0.0 : low)) - t);
 }
 
+inline constexpr double kHalfPi = 1.57079632679489655800e+00;
+inline constexpr double kHalfPiLow = 6.12323399573676603587e-17;
+
 }  // namespace internal
+
+/// Angle of the point (x, y) from the x axis, radians. Branch-free, so that compilers vectorise
+/// loops over it.
+/// @pre 0 <= x, y; both in [1e-290, 1e300] or one of them 0.
+[[nodiscard]] inline double first_quadrant_angle(double y, double x) {
+  const bool steep = y > x;
+  const double angle = internal::octant(steep ? x : y, steep ? y : x);
+  const double from_y = internal::kHalfPi - (angle - internal::kHalfPiLow);
+  return steep ? from_y : angle;
+}
 
 /// Angle of the point (x, y) from the x axis, radians, in [-pi, pi]; signs of zeros as in
 /// std::atan2. NaN unless both arguments are finite.
 [[nodiscard]] inline double atan2(double y, double x) {
-  constexpr double kHalfPi = 1.57079632679489655800e+00;
-  constexpr double kHalfPiLow = 6.12323399573676603587e-17;
   double a = std::abs(y), b = std::abs(x);
   if (!std::isfinite(a) || !std::isfinite(b)) return std::nan("");
   // Sums and doubles of the largest values overflow, and quotients of the smallest values are
@@ -163,13 +170,8 @@ inline double octant(double y, double x) {
     a *= 0x1p+600;
     b *= 0x1p+600;
   }
-  double angle = 0.0;
-  if (a > b) {
-    angle = kHalfPi - (internal::octant(b, a) - kHalfPiLow);
-  } else if (b > 0.0) {
-    angle = internal::octant(a, b);
-  }
-  if (std::signbit(x)) angle = 2.0 * kHalfPi - (angle - 2.0 * kHalfPiLow);
+  double angle = a > 0.0 ? first_quadrant_angle(a, b) : 0.0;
+  if (std::signbit(x)) angle = 2.0 * internal::kHalfPi - (angle - 2.0 * internal::kHalfPiLow);
   return std::copysign(angle, y);
 }
 

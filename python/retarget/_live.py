@@ -21,6 +21,21 @@ if TYPE_CHECKING:
 
     from retarget import _options
 
+# Robot frames that have been due for longer are dropped and counted as `missed`, seconds. On the
+# session's own clock they would reach the robot in a burst. On the caller's clock a recording may
+# have gaps, but a wrong time must not give frames without end.
+_LONGEST_PAUSE = 1.0
+_LONGEST_GAP = 10.0
+_LATEST = 1e12  # Later times do not resolve single frames, seconds.
+
+
+def _seconds(value: float, name: str) -> float:
+    seconds = float(value)
+    if not abs(seconds) <= _LATEST:
+        raise UsageError(f"{name}: expected a finite number of seconds, at most {_LATEST:g}, "
+                         f"found {value}")
+    return seconds
+
 
 @dataclass(frozen=True, eq=False)
 class RobotFrame:
@@ -60,26 +75,32 @@ class LiveSession:
                 Clip.local_positions; ignored for joints with a fixed offset.
             time: seconds on the sender's clock; None: the time of arrival.
             now: seconds on a clock of the caller, which must not decrease; None: the time since the
-                session began. Give it to replay a recording faster than it was made.
+                session began. Give it to replay a recording faster than it was made. After a
+                jump by more than ten seconds (on the session's own clock, after a pause of more than
+                a second), the robot frames in between are dropped and counted as `missed`.
 
         Raises:
-            UsageError: another shape, quaternions that are not of unit length.
+            UsageError: another shape, quaternions that are not of unit length, times that are not
+                finite.
             RunError: the session has ended.
         """
         if self._closed:
             raise RunError("the live session has ended")
+        stamp = math.nan if time is None else _seconds(time, "time")
         moment = self._now(now)
-        self._engine.push(rotations_wxyz, positions, math.nan if time is None else float(time),
-                          moment)
-        return self._due(moment)
+        self._engine.push(rotations_wxyz, positions, stamp, moment)
+        return self._due(moment, now)
 
     def pull(self, *, now: float | None = None) -> list[RobotFrame]:
         """Returns the robot frames that are due, also if no human frame arrived.
 
         Args:
             now: as for push().
+
+        Raises:
+            UsageError: a time that is not finite.
         """
-        return self._due(self._now(now))
+        return self._due(self._now(now), now)
 
     def close(self) -> list[RobotFrame]:
         """Ends the stream and returns the remaining robot frames. A second call returns none."""
@@ -87,7 +108,7 @@ class LiveSession:
             return []
         self._closed = True
         self._engine.finish()
-        return self._due(self._now(None))
+        return self._due(self._now(None), None)
 
     @property
     def due(self) -> float | None:
@@ -137,10 +158,11 @@ class LiveSession:
         self._closed = True
 
     def _now(self, now: float | None) -> float:
-        return clock.monotonic() - self._start if now is None else float(now)
+        return clock.monotonic() - self._start if now is None else _seconds(now, "now")
 
-    def _due(self, now: float) -> list[RobotFrame]:
-        frames = [RobotFrame(*frame) for frame in self._engine.pull(now)]
+    def _due(self, moment: float, given: float | None) -> list[RobotFrame]:
+        longest = _LONGEST_PAUSE if given is None else _LONGEST_GAP
+        frames = [RobotFrame(*frame) for frame in self._engine.pull(moment, longest)]
         if self._callback is not None:
             for frame in frames:
                 self._callback(frame)

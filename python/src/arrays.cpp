@@ -86,6 +86,11 @@ FrameRate rate_of(double fps) {
 GivenArray::GivenArray(nb::handle object, const char* what,
                        const std::vector<std::int64_t>& shape) {
   const nb::module_ numpy = nb::module_::import_("numpy");
+  // asarray() would use the values below the mask.
+  if (nb::hasattr(object, "mask") && nb::hasattr(object, "filled") &&
+      PyObject_IsTrue(numpy.attr("any")(object.attr("mask")).ptr()) != 0) {
+    refuse(fmt::format("{}: expected an array without masked values", what));
+  }
   try {
     array_ = numpy.attr("asarray")(object);
   } catch (nb::python_error& error) {

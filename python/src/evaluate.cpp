@@ -151,6 +151,11 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
     apply_keywords(evaluate_table(scratch, dynamics), keywords);
   }
   if (is_own) check_kept(options, motion.solved->plan, keywords);
+  // A slice shows a later part of its source.
+  const bool has_part = keywords.contains("start") || keywords.contains("frames");
+  if (!motion.solved && motion.source_start && !has_part) {
+    options.part.start_s = *motion.source_start;
+  }
   apply_keywords(evaluate_table(options, dynamics), keywords);
   QualityReport report = without_gil([&]() -> Result<QualityReport> {
     if (is_own) return measure_as_solved(motion, options.solve.limits, dynamics);

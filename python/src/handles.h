@@ -72,6 +72,8 @@ struct MotionHandle {
   /// Contacts of a motion that was not solved here; empty: unknown.
   std::optional<FootContacts> contacts = std::nullopt;
   bool rate_known = true;  ///< False: the rate of a file without one is a default.
+  /// Time in the source of the first frame, for parts of solved motions, seconds; empty: unknown.
+  std::optional<double> source_start = std::nullopt;
 };
 
 /// Contacts of the feet per frame: those of the fit, or those given; empty: unknown.

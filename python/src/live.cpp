@@ -6,6 +6,7 @@
 
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "arrays.h"
@@ -106,8 +107,9 @@ class PythonLive {
     session_.push(frame, now);
   }
 
-  // Returns all robot frames that are due: (index, time, state, qpos, due).
-  nb::list pull(double now) {
+  // Returns all robot frames that are due: (index, time, state, qpos, due). Frames that have been due
+  // for longer than `longest` seconds are dropped, because they would be a burst.
+  nb::list pull(double now, double longest) {
     struct Due {
       RobotFrame frame;
       std::vector<double> qpos;
@@ -116,6 +118,8 @@ class PythonLive {
     {
       const nb::gil_scoped_release released;
       const std::lock_guard lock(mutex_);
+      const auto due = session_.due();
+      if (due && now - *due > longest) session_.skip_to(now);
       while (const auto frame = session_.pull(now)) {
         all.push_back({*frame, {frame->qpos.begin(), frame->qpos.end()}});
       }
@@ -162,7 +166,9 @@ void open_live(PythonLive* self, const ClipHandle& clip, const RobotHandle& robo
   nb::dict rate;
   rate["fps"] = fps;
   apply_keywords(live_table(given.live), rate);
-  apply_keywords(live_keywords(given), options);
+  std::vector<std::string> names;
+  apply_keywords(noting_given(live_keywords(given), names), options);
+  value_of(check_live_use(given.live, given.run, names));
   // The clip calibrates the body; all of its frames may do so.
   given.run.part.lead_in = LeadIn::kKeep;
   const Plan plan = without_gil([&] { return make_plan(*clip, robot.loaded, given.run); });
@@ -178,7 +184,7 @@ void bind_live(nb::module_& module) {
       .def("__init__", &open_live, "clip"_a, "robot"_a, "fps"_a, "options"_a)
       .def("push", &PythonLive::push, "rotations_wxyz"_a.none(), "positions"_a.none(), "time"_a,
            "now"_a)
-      .def("pull", &PythonLive::pull, "now"_a)
+      .def("pull", &PythonLive::pull, "now"_a, "longest"_a)
       .def("finish", &PythonLive::finish)
       .def("due", &PythonLive::due, nb::sig("def due(self) -> float | None"))
       .def("state", &PythonLive::state)

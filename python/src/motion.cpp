@@ -114,7 +114,10 @@ void save_motion(const MotionHandle& motion, const nb::object& file, const nb::k
     const auto written = write_motion(*motion.clip, motion.contacts, path, how, silent);
     return written ? Result<void>() : failure(written.error());
   });
-  for (const MotionFormat format : how.formats) warn(format_losses(*motion.clip, format), path);
+  for (const MotionFormat format : how.formats) {
+    const FrameRate rate = rate_of_format(format, how, motion.clip->rate());
+    warn(format_losses(*motion.clip, format, rate), path);
+  }
 }
 
 nb::object rows(std::vector<double> numbers, std::size_t frames, std::size_t items,

@@ -104,6 +104,14 @@ MotionHandle from_qpos(const nb::object& qpos, const RobotHandle& robot, double 
   return motion;
 }
 
+// Time in the source of the first frame, seconds; empty: unknown, or the paces differ.
+std::optional<double> source_start_of(const MotionHandle& motion) {
+  if (!motion.solved) return motion.source_start;
+  const Plan& plan = motion.solved->plan;
+  if (plan.time_scale || !motion.made_from) return std::nullopt;
+  return plan.part.begin * motion.made_from->rate().frame_time();
+}
+
 MotionHandle part_of(const MotionHandle& motion, const nb::object& index) {
   if (!PySlice_Check(index.ptr())) {
     raise_type_error(
@@ -135,6 +143,9 @@ MotionHandle part_of(const MotionHandle& motion, const nb::object& index) {
       fmt::format("frames {} to {} of {}", begin, begin + count, motion.clip->frame_count()),
       motion.save};
   part.rate_known = motion.rate_known;
+  if (const auto start = source_start_of(motion)) {
+    part.source_start = *start + static_cast<double>(begin) * motion.clip->rate().frame_time();
+  }
   if (auto contacts = foot_contacts(motion)) {
     const auto first = contacts->planted.begin() + 4 * begin;
     part.contacts = FootContacts{{first, first + 4 * count}};
@@ -150,6 +161,7 @@ MotionHandle at_other_rate(const MotionHandle& motion, double fps) {
       motion.robot, nullptr,
       motion.name,  fmt::format("resampled from {} fps", to_text(motion.clip->rate())),
       motion.save};
+  made.source_start = source_start_of(motion);
   if (const auto contacts = foot_contacts(motion)) {
     made.contacts =
         resample_contacts(*contacts, motion.clip->rate(), rate, made.clip->frame_count());
@@ -196,7 +208,8 @@ void bind_motion_arrays(nb::module_& module) {
       .def("__getitem__", &part_of, "frames"_a,
            nb::sig("def __getitem__(self, frames: slice) -> Motion"),
            "The frames of a slice as a separate motion, with its contacts; negative indices count "
-           "from the end. The result has no source; pass one to evaluate().\n\n"
+           "from the end. The result has no source; pass one to evaluate(), which cuts it at the "
+           "time of the slice unless `start` or `frames` is given.\n\n"
            "Raises UsageError: a step other than 1, no frames; TypeError: not a slice.")
       .def("resample", &at_other_rate, "fps"_a, nb::sig("def resample(self, fps: float) -> Motion"),
            "The motion at another frame rate, with its contacts: cubic interpolation, after a "

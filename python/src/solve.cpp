@@ -14,6 +14,7 @@
 #include "raise.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
+#include "retarget/run.h"
 #include "solving_table.h"
 #include "watcher.h"
 
@@ -51,7 +52,7 @@ MotionHandle solve_watched(Plan plan, const RobotHandle& robot, std::shared_ptr<
   SolveControl control;
   control.threads = threads;
   control.keep_going = [&](const Progress& now) { return watcher.keep_going(now); };
-  const std::string summary = spell_options(plan.summary());
+  std::string summary = plan.summary();
   const std::vector<Warning> doubts = plan.doubts();
   auto solved = [&] {
     const nb::gil_scoped_release released;
@@ -60,9 +61,13 @@ MotionHandle solve_watched(Plan plan, const RobotHandle& robot, std::shared_ptr<
   watcher.rethrow();
   const auto motion = std::make_shared<const Motion>(value_of(std::move(solved)));
   warn(doubts, clip->name());
+  if (motion->fit) {
+    summary += summary_text(fit_lines(*motion->fit, !motion->clip.robot().fixed_base(), false));
+  }
   const std::shared_ptr<const RobotClip> result(motion, &motion->clip);
   const std::string name = clip->name();
-  return {motion, result, robot, std::move(clip), name, summary, motion->plan.options.save};
+  return {
+      motion, result, robot, std::move(clip), name, std::move(summary), motion->plan.options.save};
 }
 
 MotionHandle to_robot(const ClipHandle& clip, const RobotHandle& robot, const nb::dict& keywords,

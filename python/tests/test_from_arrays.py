@@ -37,6 +37,9 @@ def test_float32_lists_and_slices(walk: retarget.Clip) -> None:
                                          convert(walk.positions),
                                          rotations_wxyz=convert(walk.rotations), fps=walk.fps)
 
+    masked = np.ma.masked_greater(walk.positions, 0.5)
+    with pytest.raises(retarget.UsageError, match="masked"):
+        make(lambda array: masked if array.shape == masked.shape else array)
     exact = make(np.array)
     assert make(lambda array: array.tolist()).positions.tobytes() == exact.positions.tobytes()
     assert make(np.asfortranarray).positions.tobytes() == exact.positions.tobytes()

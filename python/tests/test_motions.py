@@ -97,6 +97,23 @@ def test_a_part_of_a_part(walked: retarget.Motion) -> None:
     assert retarget.evaluate(walked[50:]).data["frames"] == len(walked) - 50
 
 
+def test_the_summary_has_the_result_of_the_fit(walked: retarget.Motion) -> None:
+    labels = [line.split(" ")[0] for line in walked.summary.splitlines()]
+    assert "robot" in labels and "fit" in labels and "floor" in labels
+
+
+def test_slices_are_measured_at_their_time(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(walk, g1, start=1.0, fps=50)
+    for part in (motion[50:250], motion[20:][30:230]):
+        report = retarget.evaluate(part, walk)
+        assert abs(report.data["lag_s"]) < 0.01
+        assert report.passed
+    slower = retarget.evaluate(motion[50:250].resample(30), walk)
+    assert abs(slower.data["lag_s"]) < 0.01
+    late = retarget.evaluate(motion[50:250], walk, start=1.6)
+    assert abs(late.data["lag_s"]) > 0.3
+
+
 def test_wrong_slices(walked: retarget.Motion) -> None:
     for step in (2, -1, 0):
         with pytest.raises((retarget.UsageError, ValueError), match="step") as raised:

@@ -373,4 +373,9 @@ Result<Clip> mirror(const Clip& clip, const Calibration& calibration) {
   return result;
 }
 
+MirrorPlane mirror_plane(const Clip& clip, const Calibration& calibration) {
+  const Pose hips = hips_over_ground(to_human(cut(clip, 0, 1), calibration)).front().in_space();
+  return {hips.translation, hips.rotation * Eigen::Vector3d::UnitY()};
+}
+
 }  // namespace retarget

@@ -83,10 +83,12 @@ class Joiner {
 
   Result<Concatenation> join(const SeamOptions& options) {
     const Clip* on_floor = &b_;
-    RETARGET_TRY_ASSIGN(auto search, find_seam(motion_a_.human, human_b_, options));
+    // A search range that cannot grow is a limit.
+    const bool any_overlap = options_.widest_band > options_.seam.band;
+    RETARGET_TRY_ASSIGN(auto search, find_seam(motion_a_.human, human_b_, options, any_overlap));
     if (raised_) {
-      RETARGET_TRY_ASSIGN(auto other,
-                          find_seam(motion_a_.human, to_human(*raised_, calibration_), options));
+      RETARGET_TRY_ASSIGN(auto other, find_seam(motion_a_.human, to_human(*raised_, calibration_),
+                                                options, any_overlap));
       if (other.seams[0].distance < search.seams[0].distance) {
         search = std::move(other);
         on_floor = &*raised_;

@@ -39,10 +39,11 @@ constexpr double kSame = 1e-5;
 
 class SeamFinder {
  public:
-  SeamFinder(const HumanClip& a, const HumanClip& b, const SeamOptions& options)
+  SeamFinder(const HumanClip& a, const HumanClip& b, const SeamOptions& options, bool any_overlap)
       : a_(a),
         b_(b),
         options_(options),
+        any_overlap_(any_overlap),
         bones_(common_bones(a, b)),
         in_a_(a, bones_),
         in_b_(b, bones_),
@@ -79,18 +80,32 @@ class SeamFinder {
   // translated. A match of the whole clip does not count: a clip may be joined to itself on
   // purpose.
   [[nodiscard]] int shared_frames() const {
-    const int fewer = std::min(a_.frame_count, b_.frame_count);
-    for (int i = std::max(band_a_.begin, a_.frame_count - fewer + 1); i < band_a_.end; ++i) {
-      const int shared = a_.frame_count - i;
-      // A still body has the same pose everywhere, so a long match means no more than one frame.
-      if (shared > 1 && !moves_after(i)) continue;
-      bool same = true;
-      for (int k = 0; same && k < shared; k += window_) {
-        same = is_same(i + k, k, std::min(window_, shared - k));
-      }
-      if (same) return shared;
+    const int whole = std::min(a_.frame_count, b_.frame_count);
+    const int near = static_cast<int>(band_a_.size());
+    const int longest = any_overlap_ ? whole : std::min(whole, near);
+    std::vector<int> found;  // The longest first.
+    for (int shared = longest; shared > 0; --shared) {
+      if (shares(shared)) found.push_back(shared);
     }
-    return 0;
+    // Excerpts of one clip match once. A motion that repeats exactly matches after every cycle; then
+    // only matches within the search range count, which lose the fewest cycles.
+    const auto matches = std::ranges::count_if(found, [&](int n) { return n >= window_; });
+    if (matches == 1 && found.front() < whole) return found.front();
+    const auto nearest = std::ranges::find_if(found, [&](int n) { return n <= near && n < whole; });
+    return nearest == found.end() ? 0 : *nearest;
+  }
+
+  // Whether the last frames of a are the first ones of b.
+  [[nodiscard]] bool shares(int frames) const {
+    const int begin = a_.frame_count - frames;
+    // A still body has the same pose everywhere, so a long match means no more than one frame.
+    if (frames > 1 && !moves_after(begin)) return false;
+    // Single frames differ almost always, so searching whole clips costs little.
+    if (!is_same(begin, 0, 1)) return false;
+    for (int k = 0; k < frames; k += window_) {
+      if (!is_same(begin + k, k, std::min(window_, frames - k))) return false;
+    }
+    return true;
   }
 
   [[nodiscard]] bool is_same(int i, int j, int frames) const {
@@ -170,6 +185,7 @@ class SeamFinder {
   const HumanClip& a_;
   const HumanClip& b_;
   const SeamOptions& options_;
+  const bool any_overlap_;
   const std::vector<Bone> bones_;
   const PoseClouds in_a_, in_b_;
   const int window_;  // In frames.
@@ -180,8 +196,9 @@ class SeamFinder {
 
 }  // namespace
 
-Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamOptions& options) {
-  const SeamFinder finder(a, b, options);
+Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamOptions& options,
+                             bool any_overlap) {
+  const SeamFinder finder(a, b, options, any_overlap);
   constexpr std::int64_t kMaxPairs = 16'000'000;
   if (finder.pair_count() > kMaxPairs) {
     return usage_failure(

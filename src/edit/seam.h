@@ -31,10 +31,12 @@ struct SeamSearch {
 
 /// Finds the best transition from a to b, the one with the smallest WindowDistance; see
 /// concatenate.
+/// @param any_overlap  find equal frames at a's end and b's beginning also if there are more of
+///                     them than options.band.
 /// @pre Both have frames, and bones in common.
 /// @return kUsage errors: more than 16 million pairs of frames to search.
 [[nodiscard]] Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b,
-                                           const SeamOptions& options);
+                                           const SeamOptions& options, bool any_overlap);
 
 /// Returns true if b begins one frame after a's end, as for a clip that was cut in two and not
 /// moved. Tests all spacings between the clips in steps of a quarter of a frame. The spacing that

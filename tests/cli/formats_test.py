@@ -75,6 +75,30 @@ class Outputs(FormatsTest):
         self.converted(GOLDEN / "walk.csv", "x.csv", "--npz-fps", "50")
         self.converted(GOLDEN / "walk.csv", "y", "--format", "csv,pkl-pbhc", "--motion-name", "a")
 
+    def test_folders_of_sonic_at_other_rates(self):
+        stderr = self.converted(GOLDEN / "walk.csv", "usual", "--format", "csv-sonic")
+        self.assertNotIn("assume", stderr)
+        stderr = self.converted(GOLDEN / "walk.csv", "fast", "--format", "csv-sonic", "--npz-fps",
+                                "120")
+        self.assertIn("assume 50 fps, this motion has 120", stderr)
+
+    def test_headers_with_units_on_some_columns(self):
+        self.converted(GOLDEN / "walk.csv", "named.csv", "--csv-header")
+        self.converted(self.folder / "named.csv", "plain.csv")
+        text = (self.folder / "named.csv").read_text()
+        for name, unit in (("left_knee_joint", "(deg)"), ("root_x", "(cm)")):
+            with self.subTest(name=name):
+                self.assertIn(name + ",", text)
+                self.write("some.csv", text.replace(name + ",", name + unit + ",", 1))
+                self.assert_fails(self.run_tool("convert", "some.csv", "out.csv", "--robot",
+                                                "unitree_g1"), 3, "without a unit")
+                # The default unit may be named in some columns only.
+                usual = {"(deg)": "(rad)", "(cm)": "(m)"}[unit]
+                self.write("some.csv", text.replace(name + ",", name + usual + ",", 1))
+                self.converted(self.folder / "some.csv", "out.csv")
+                self.assertEqual((self.folder / "out.csv").read_bytes(),
+                                 (self.folder / "plain.csv").read_bytes())
+
     def test_all_appear_or_none(self):
         # A clip of two frames has no tracking NPZ.
         result = self.retarget("--method", "gmr", "--frames", "0:2", "--format", "csv,npz-mjlab",

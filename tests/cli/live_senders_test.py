@@ -1,6 +1,7 @@
 """retarget live: permitted senders. Strangers change nothing for the sender; addresses that cannot be are refused."""
 
 import contextlib
+import json
 import re
 import socket
 import time
@@ -155,6 +156,49 @@ class Datagrams(SendersTest):
             time.sleep(SILENCE)
             self.send(other, port, self.lines[:20])
         self.assertEqual(self.packets(process)[:2], (50, 0))
+
+    def test_a_sender_that_restarts_is_read_with_its_own_skeleton(self):
+        # The same joints, in metres: with the old body's unit, the robot would leap.
+        header = json.loads(self.lines[0])
+        header["skeleton"]["unit"] = 1
+        restarted = [header, *map(json.loads, self.lines[1:])]
+        for message in restarted:
+            poses = message["joints"].values() if "joints" in message else (
+                joint["rest"] for joint in message["skeleton"]["joints"])
+            for pose in poses:
+                pose[:3] = [0.01 * x for x in pose[:3]]
+        process, port = self.listen("-o", "live.jsonl", "--stats", "stats.jsonl", "--record", "kept")
+        with self.sender() as first, self.sender() as second:
+            self.send(first, port, self.lines[:60])
+            # Its predecessor has just ended, so its first lines are refused.
+            text = [json.dumps(message).encode() + b"\n" for message in restarted]
+            self.send(second, port, text[:60])
+            time.sleep(SILENCE)
+            for line in text[60:160]:
+                self.send(second, port, [line])
+                time.sleep(0.02)
+        taken, malformed, messages = self.packets(process)
+        self.assertEqual((taken, malformed), (160, 0), messages)
+        frames = [json.loads(line) for line in (self.folder / "live.jsonl").read_text().splitlines()[1:]]
+        self.assertEqual(frames[-1]["state"], "following")
+        self.assertLess(max(abs(x) for frame in frames for x in frame["root_position"][:2]), 5.0)
+        stats = json.loads((self.folder / "stats.jsonl").read_text().splitlines()[-1])
+        self.assertEqual((stats["dropped"]["foreign"], stats["skeletons"]["told"]), (0, 2))
+        self.assert_done(self.run_tool("live", "--replay", "kept", "-o", "again.jsonl"))
+        self.assertEqual((self.folder / "again.jsonl").read_bytes(), (self.folder / "live.jsonl").read_bytes())
+
+    def test_frames_of_a_new_sender_wait_for_its_skeleton(self):
+        process, port = self.listen("-o", "live.jsonl", "--stats", "stats.jsonl")
+        with self.sender() as first, self.sender() as second:
+            self.send(first, port, self.lines[:60])
+            time.sleep(SILENCE)
+            self.send(second, port, self.lines[60:90])
+            time.sleep(SILENCE)
+        taken, malformed, messages = self.packets(process)
+        self.assertEqual((taken, malformed), (90, 0), messages)
+        self.assertIn("a new sender, whose skeleton is missing", messages)
+        stats = json.loads((self.folder / "stats.jsonl").read_text().splitlines()[-1])
+        self.assertEqual((stats["dropped"]["foreign"], stats["received"]), (30, 59))
 
     def test_a_port_for_every_datagram(self):
         process, port = self.listen("-o", "live.csv")

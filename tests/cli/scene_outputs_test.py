@@ -77,6 +77,24 @@ class SceneOutputs(ToolTest):
         lines = self.path("world.obj").read_text().splitlines()
         self.assertEqual([line for line in lines if line.startswith("o ")], ["o step", "o table"])
 
+    def test_mirror_images_include_the_scene(self):
+        scene = json.loads(json.dumps(SCENE))
+        scene["bodies"][1]["position"][1] = 0.8
+        self.write("room.json", json.dumps(scene))
+        rows = [f"1.5,{0.3 + 0.01 * i},0.5,1,0,0,0" for i in range(FRAMES)]
+        self.write("crate.csv", "\n".join(["x,y,z,qw,qx,qy,qz", *rows]) + "\n")
+        tables, paths = [], []
+        for name, mirror in (("plain", ()), ("image", ("--mirror",))):
+            self.run_in_scene("-o", f"{name}.npz", "--format", "npz-holosoma", "--scene-out",
+                              f"{name}.json", *mirror)
+            tables.append(json.loads(self.path(f"{name}.json").read_text())["bodies"][1]["position"])
+            paths.append(numpy.load(self.path(f"{name}.npz"))["object_pos_w"])
+        # The human faces x and stands near y = 0.
+        self.assertGreater(tables[0][1], 0.3)
+        self.assertAlmostEqual(tables[1][1], -tables[0][1], delta=0.02)
+        self.assertAlmostEqual(tables[1][0], tables[0][0], delta=0.02)
+        numpy.testing.assert_allclose(paths[1] * [1, -1, 1], paths[0], atol=0.02)
+
     def test_tracks_and_labels_in_npz(self):
         self.run_in_scene("-o", "squat.npz", "--format", "npz-holosoma")
         npz = numpy.load(self.path("squat.npz"))

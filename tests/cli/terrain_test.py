@@ -102,11 +102,14 @@ class TerrainTest(ToolTest):
         self.assertIn("does not walk", result.stderr)
         self.assertFalse((self.folder / "out.csv").exists())
         for wrong in ("stairs:0.1", "stairs:0x0.3", "stairs:0.1x0.3x2.5", "slope:", "slope:80",
-                      "hill", "stairs:0.1x0.3x1x1", "stairs:nanx0.3"):
+                      "hill", "stairs:0.1x0.3x1x1", "stairs:nanx0.3", "slope:-6",
+                      "stairs:0.1x0.05"):
             with self.subTest(terrain=wrong):
                 result = self.run_tool("--bvh", sample("walk"), *ROBOT, "--terrain", wrong, "-o",
                                        "out.csv")
                 self.assertEqual(result.returncode, 2, result.stderr)
+                for limits in ("0.005 to 0.5 m", "0.1 to 2 m", "200 steps", "0.5 to 30 degrees"):
+                    self.assertIn(limits, result.stderr)
 
     def test_a_scaled_step_lifts_the_human(self):
         self.write("raised.bvh", raised_clip())
@@ -160,6 +163,16 @@ class TerrainTest(ToolTest):
         for a, b in zip(expected, found):
             for x, y in zip(a, b):
                 self.assertAlmostEqual(x, y, delta=2e-3)
+
+    def test_the_unit_of_the_clip_is_not_proposed_for_specks(self):
+        # In centimetres the block in the way would be 5 mm long.
+        self.write("block.json", json.dumps({"bodies": [
+            {"name": "block", "position": [3, 0, 0.5],
+             "shapes": [{"type": "box", "size": [0.5, 2, 1]}]}]}))
+        result = self.run_tool("--bvh", sample("walk"), *ROBOT, "--scene", "block.json", "-o", "out.csv")
+        self.assertIn('inside "block"', result.stderr)
+        self.assertIn("check its unit", result.stderr)
+        self.assertNotIn("--scene-axes", result.stderr)
 
     def test_batches_have_variations(self):
         arguments = ("batch", sample("walk"), "-o", "out", *ROBOT, "--terrain", "stairs:0.1x0.3",

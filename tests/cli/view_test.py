@@ -116,7 +116,10 @@ class View(ToolTest):
         self.assertGreater(same.mean(), 0.999)
         self.assert_done(self.run_tool(*run, "--strip", 3, "--normalize-start"))
         few = self.strip("walk.csv", "--bvh", "walk.bvh", "--strip", 3, output="few.png")
-        self.assertEqual(pixels((self.folder / "run.png").read_bytes())[:2], pixels(few)[:2])
+        # The six digits may also decide about the last row or column.
+        drawn = pixels((self.folder / "run.png").read_bytes())
+        for found, expected in zip(drawn[:2], pixels(few)[:2]):
+            self.assertLessEqual(abs(found - expected), 1)
         # Nothing is written if any output cannot be written.
         for file in ("run.png", "walk.csv"):
             (self.folder / file).unlink()

@@ -46,6 +46,37 @@ TEST(Concatenation, FindsTheCutOfAClip) {
   }
 }
 
+// Excerpts may share more frames than the search range has; `search` limits it.
+TEST(Concatenation, FindsLongOverlaps) {
+  const EditSample& walk = data_sample("walk");
+  const Clip a = cut(walk.clip, 0, 200);
+  Clip b = cut(walk.clip, 100, 301);
+  const GroundPose away{{3.0, -4.0}, 1.3};
+  BodyMover::of(b, walk.calibration).value().move_all(b, away.in_space());
+  const auto joined = concatenate(a, b, walk.calibration, {}, "a", "b");
+  ASSERT_TRUE(joined) << describe(joined.error());
+  EXPECT_EQ(joined->seam.a_frame, 100);
+  EXPECT_EQ(joined->seam.b_frame, 0);
+  EXPECT_LT(largest_distance(joined->clip, walk.clip, 0.01), 1e-6);
+  ConcatenateOptions options;
+  ASSERT_TRUE(options.search("1"));
+  EXPECT_GE(concatenate(a, b, walk.calibration, options, "a", "b")->seam.a_frame, 169);
+}
+
+// Repetitions of a cycle are not excerpts of one clip: no more than one cycle is shared.
+TEST(Concatenation, KeepsTheCyclesOfALoop) {
+  const EditSample& walk = data_sample("walk");
+  LoopOptions loop;
+  loop.shortest = 0.9;
+  loop.times = 5;
+  const auto cycles = make_loop(cut(walk.clip, 100, 200), walk.calibration, loop);
+  ASSERT_TRUE(cycles) << describe(cycles.error());
+  ASSERT_LT(cycles->cycle, 61);
+  const auto joined = concatenate(cycles->clip, cycles->clip, walk.calibration, {}, "a", "b");
+  ASSERT_TRUE(joined) << describe(joined.error());
+  EXPECT_GE(joined->clip.frame_count(), 8 * cycles->cycle);
+}
+
 // Parts cut with `:150` and `150:` share no frame.
 TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
   for (const char* name : {"walk", "get_up", "squat"}) {

@@ -176,6 +176,19 @@ TEST(Loops, InPlaceReturnsToTheStart) {
     EXPECT_LT((place.position - hips_over_ground(sample.human_of(loop.clip))[0].position).norm(),
               0.15);
   }
+  EXPECT_EQ(loop.notes.size(), 2U);
+}
+
+// A walk that starts and stops is slower there than its mean speed, which is removed.
+TEST(Loops, InPlaceReportsUnevenTravel) {
+  const EditSample& sample = data_sample("walk");
+  LoopOptions options;
+  options.in_place = true;
+  const Loop loop = make_loop(sample.clip, sample.calibration, options).value();
+  ASSERT_EQ(loop.notes.size(), 3U);
+  EXPECT_THAT(loop.notes[2].text, testing::HasSubstr("still move up to"));
+  options.in_place = false;
+  EXPECT_EQ(make_loop(sample.clip, sample.calibration, options)->notes.size(), 2U);
 }
 
 TEST(Loops, HandleShortAndStillClips) {

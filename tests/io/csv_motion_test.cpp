@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -168,6 +169,28 @@ TEST_F(CsvMotion, AcceptsHeadersWithoutVariantJoints) {
   EXPECT_THAT(told->warnings, IsEmpty());
 }
 
+TEST_F(CsvMotion, ReadsItsOwnHeadersOfJointsWithDelimiters) {
+  std::string model = kTwoArms;
+  for (std::size_t at = 0; (at = model.find("\"left_elbow\"", at)) != std::string::npos; ++at) {
+    model.replace(at, 12, "\"left, bent; elbow\"");
+  }
+  const auto robot = robot_from_text(model);
+  ASSERT_NE(robot, nullptr);
+  ASSERT_TRUE(robot->find_joint("left, bent; elbow"));
+  RobotClip clip(robot, {30, 1}, 1);
+  std::ranges::copy(std::vector{1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.04, 0.5},
+                    clip.qpos(0).begin());
+  for (const char delimiter : {',', ' ', '\t'}) {
+    RobotCsvOptions named;
+    named.header = true;
+    named.delimiter = delimiter;
+    const auto read = parse_robot_motion(format_robot_csv(clip, named), robot, "m.csv",
+                                         with([](auto& o) { o.metres_per_unit = 1.0; }));
+    ASSERT_TRUE(read) << describe(read.error());
+    EXPECT_EQ(read->clip.qpos(0)[8], 0.2);
+  }
+}
+
 TEST_F(CsvMotion, ReadsRateFromTimes) {
   const auto rate_of = [&](const std::vector<std::string>& times, const std::string& name = {}) {
     const auto motion = read(timed(times, name));
@@ -187,6 +210,9 @@ TEST_F(CsvMotion, ReadsRateFromTimes) {
   EXPECT_EQ(
       rate_of({"1700000000000000000", "1700000000020000000", "1700000000040000000"}, "timestamp"),
       "50");
+  EXPECT_EQ(rate_of({"0", "0.01", "0.03", "0.04", "0.05", "0.07", "0.08"}, "time"), "72");
+  // A recorded clock with a late and an early time.
+  EXPECT_EQ(rate_of({"0", "0.0101", "0.0170", "0.0335", "0.0400", "0.0500"}, "time"), "100");
   // Frame numbers do not determine a rate.
   EXPECT_EQ(rate_of({"5", "6", "7"}), "none");
   EXPECT_EQ(rate_of({"0", "1", "2"}, "frame"), "none");
@@ -198,7 +224,9 @@ TEST_F(CsvMotion, RejectsAmbiguousTimesUnlessTheRateIsGiven) {
        {std::pair(timed({"0", "1", "2"}, "time"), "does not determine the rate"),
         {timed({"0", "4", "8"}), "frame numbers or times"},
         {timed({"0", ".02", ".02", ".04"}, "time"), "does not increase"},
-        {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not uniform"}}) {
+        {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not uniform"},
+        {timed({"0", ".02", ".04", ".08", ".1", ".12"}, "time"), "line 5 comes 0.04 s after"},
+        {timed({"0", "33", "67", "133", "167", "200"}), "line 4 comes 0.066 s after"}}) {
     expect_fault(text, AllOf(HasSubstr(words), HasSubstr("source_fps")));
     const auto given = read(text, at_60);
     ASSERT_TRUE(given) << describe(given.error());

@@ -345,6 +345,18 @@ TEST(MakeRobot, RejectsUnsupportedModels) {
               AnyOf(HasSubstr("no free joint"), HasSubstr("single arm")));
 }
 
+// An empty "t_pose" is right for a robot whose zero pose is the T-pose.
+TEST(CheckRobot, ZeroPoseMayBeTheTPose) {
+  for (const bool arms_down : {false, true}) {
+    std::string texts;
+    for (const RobotFinding& finding :
+         check_robot(*robot_from_text(tiny_humanoid(arms_down)), nullptr)) {
+      texts += finding.text + "\n";
+    }
+    EXPECT_EQ(texts.find("the T-pose is unknown") != std::string::npos, arms_down) << texts;
+  }
+}
+
 TEST(CheckRobot, ReportsErrorsAndWarnings) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");

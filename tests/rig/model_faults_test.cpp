@@ -146,6 +146,44 @@ TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
                  "has no elbow");
 }
 
+// A body that moves needs a mass: its own or that of a body fixed to it.
+TEST_F(ModelFaults, BodiesWithoutMassAreNamed) {
+  const auto with_shoulder = [](const std::string& mass) {
+    std::string text = plain_humanoid().mjcf();
+    const std::size_t body = text.find("<body name=\"left_shoulder_roll\"");
+    const std::size_t begin = text.find("<inertial", body);
+    return text.replace(begin, text.find("/>", begin) + 2 - begin, mass);
+  };
+  const std::string words = "no mass of the moving bodies \"left_shoulder_roll\": replaced";
+  const std::string inertia = " diaginertia=\"1e-2 1e-2 1e-2\"/>";
+  expect_noted(with_shoulder(""), words);
+  expect_noted(with_shoulder("<inertial pos=\"0 0 0\" mass=\"0\" diaginertia=\"0 0 0\"/>"), words);
+  EXPECT_THAT(make_robot(write(with_shoulder("")), "robot")->decisions, HasSubstr(words));
+  for (const std::string& mass :
+       {"<inertial pos=\"0 0 0\" mass=\"1e-6\"" + inertia,
+        "<body><inertial pos=\"0 0 0\" mass=\"1\"" + inertia + "</body>"}) {
+    EXPECT_THAT(notes(with_shoulder(mass)), Not(Contains(HasSubstr("no mass"))));
+  }
+}
+
+TEST_F(ModelFaults, NameASlideBeforeTheAnkle) {
+  const std::string text =
+      changed([](BuiltHumanoid& built) { built.leg.joints[4].type = "slide"; }).mjcf();
+  expect_refused(text, "has a slide, \"left_ankle_pitch\", before its end");
+  EXPECT_THAT(refusal(text), Not(HasSubstr("stand or wheels")));
+}
+
+// One arm hangs, the other points ahead: both have the same joints.
+TEST_F(ModelFaults, SidesMayNotDifferInTheZeroPose) {
+  std::string text = plain_humanoid().mjcf();
+  const std::string arm = "<body name=\"left_shoulder_pitch\"";
+  replace_all(text, arm, arm + " euler=\"0 -1.2 0\"");
+  expect_refused(text,
+                 "the limbs starting at \"left_shoulder_pitch\" and \"right_shoulder_pitch\" have "
+                 "equally many joints but are no mirror images");
+  EXPECT_THAT(refusal(text), HasSubstr("mirrored zero pose"));
+}
+
 TEST_F(ModelFaults, NameTheLimbWithoutACounterpart) {
   // Removes a body with everything below it.
   const auto without = [](std::string text, const std::string& body) {

@@ -212,6 +212,28 @@ TEST_F(Senders, FollowOneOfTwoProgramsOnAMachine) {
   EXPECT_EQ(second, 1);
 }
 
+// Its packets are those of another program, with another skeleton.
+TEST_F(Senders, AProgramThatRestartsIsANewSender) {
+  SenderLock lock;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(lock.judge(at(1, 5), 0.1 * i), Verdict::kSender);
+  EXPECT_EQ(lock.judge(at(1, 6), 1.2), Verdict::kStranger);
+  EXPECT_EQ(lock.judge(at(1, 6), 2.0), Verdict::kNewSender);
+  EXPECT_EQ(lock.judge(at(1, 6), 2.1), Verdict::kSender);
+}
+
+TEST_F(Senders, StrangersLeaveTheirFirstDatagrams) {
+  EarlyDatagrams early;
+  for (int i = 0; i < 100; ++i) early.keep(at(1, 6), "skeleton " + std::to_string(i), 0.01 * i);
+  early.keep(at(2, 6), "other", 0.5);
+  EXPECT_EQ(early.take(at(1, 6)), (Lines{"skeleton 0", "skeleton 1", "skeleton 2", "skeleton 3"}));
+  EXPECT_TRUE(early.take(at(1, 6)).empty());
+  // A flood from many addresses takes no memory; the latest are kept.
+  for (std::uint16_t i = 0; i < 1000; ++i) early.keep(at(3, i), "flood", 1.0 + i);
+  EXPECT_TRUE(early.take(at(2, 6)).empty());
+  EXPECT_EQ(early.take(at(3, 999)), (Lines{"flood"}));
+  EXPECT_TRUE(early.take(at(3, 0)).empty());
+}
+
 TEST_F(Senders, AcceptsOnlyPermittedSenders) {
   SenderLock lock(SenderFilter::parse("10.0.0.2").value());
   EXPECT_EQ(lock.judge(at(0x0A000003, 5), 0.0), Verdict::kStranger);

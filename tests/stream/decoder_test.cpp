@@ -162,6 +162,42 @@ TEST(BvhRows, RequireASkeleton) {
   EXPECT_THAT(refused_line(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
 }
 
+TEST(BvhRows, DeclareTheirFrameTime) {
+  const Clip clip = walk();
+  const auto encoder = make_bvh_row_encoder();
+  const auto decoder = make_bvh_row_decoder({});
+  Kept kept;
+  ASSERT_TRUE(take_lines(*decoder, encoder->begin(clip), kept));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(decoder->take(encoder->frame(clip, i).value(), kept));
+  EXPECT_TRUE(std::isnan(kept.frames[2].time));
+  EXPECT_EQ(kept.frames[2].declared, clip.rate().time_of(2));
+  for (const char* wrong : {"Frame Time: 0", "Frame Time: -1", "Frame Time: nan", "Frame Time:"}) {
+    const auto other = make_bvh_row_decoder({});
+    ASSERT_TRUE(take_lines(*other, encoder->begin(clip), kept));
+    ASSERT_TRUE(other->take(wrong, kept)) << wrong;
+    ASSERT_TRUE(other->take(encoder->frame(clip, 0).value(), kept)) << wrong;
+    EXPECT_EQ(kept.frames.back().declared, 0.0) << "the valid one before it applies";
+  }
+}
+
+TEST(StreamFormats, ThatNeedPacketsUseNoPipes) {
+  const StreamFormat& vmc = **find_stream_format("vmc");
+  for (const char* place : {"stdin?format=vmc", "udp:1?format=vmc", "tcp:1?format=vmc"}) {
+    const bool is_pipe = std::string_view(place).starts_with("stdin");
+    const auto checked = check_input(parse_address(place).value(), vmc);
+    EXPECT_EQ(checked.has_value(), !is_pipe) << place;
+    if (!checked) {
+      EXPECT_THAT(checked.error().hint, HasSubstr("udp:39539"));
+    }
+  }
+  for (const char* place : {"stdout", "walk.vmc"}) {
+    const auto checked = check_player_target(parse_address(place).value(), vmc);
+    ASSERT_FALSE(checked) << place;
+    EXPECT_EQ(checked.error().kind, ErrorKind::kUsage);
+  }
+  EXPECT_TRUE(check_player_target(parse_address("stdout").value(), **find_stream_format("mvn")));
+}
+
 TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {
   const Clip clip = walk();
   const auto decoder = make_bvh_row_decoder({});

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -12,6 +13,8 @@
 #include "console.h"
 #include "retarget/file.h"
 #include "retarget/load.h"
+#include "retarget/option_name.h"
+#include "retarget/option_table.h"
 #include "retarget/os.h"
 #include "retarget/plan.h"
 #include "retarget/serve.h"
@@ -40,7 +43,38 @@ Result<void> list_formats() {
   return write_file("-", text);
 }
 
+bool is_given(const LiveArguments& arguments, std::string_view name) {
+  return std::ranges::find(arguments.request.given, name) != arguments.request.given.end();
+}
+
+// Options of a player have no effect on a live run, and the other way round.
+Result<void> check_player_use(const LiveArguments& arguments) {
+  if (arguments.play.empty()) {
+    if (!is_given(arguments, "to") && !is_given(arguments, "speed")) return {};
+    return usage_failure(
+        RETARGET_OPTION("to") " and " RETARGET_OPTION("speed") " require " RETARGET_OPTION("play"),
+        "add " RETARGET_OPTION("play") " FILE, or use " RETARGET_OPTION(
+            "output") " for robot frames");
+  }
+  PlayOptions used;
+  HumanOptions human;
+  OptionTable rows = player_table(used);
+  append(rows, rows_for(OptionUse::kLive, human_table(human)));
+  std::vector<std::string> unused;
+  for (const std::string& name : arguments.request.given) {
+    if (find_option(rows, name) == nullptr) unused.push_back(marked_option(name));
+  }
+  if (unused.empty()) return {};
+  return usage_failure(
+      RETARGET_OPTION("play") " only sends a motion, for another live run to receive",
+      "omit " + list_names(unused));
+}
+
 Result<void> play_clip(const LiveArguments& arguments, Console& console) {
+  // A missing file of an option is the user's error before the motion is.
+  Options options_of_human;
+  options_of_human.human = arguments.request.serve.pipeline.run.human;
+  RETARGET_TRY(check_options(options_of_human));
   RETARGET_TRY_ASSIGN(const Clip clip, load_clip(arguments.play));
   PlayOptions options = arguments.player;
   options.human = arguments.request.serve.pipeline.run.human;
@@ -59,6 +93,7 @@ Result<void> live(const LiveArguments& arguments, Console& console) {
   console.write_with([writer = std::make_shared<MessageWriter>(os::kStandardError)](
                          std::string_view text) { writer->write(text); });
   if (arguments.list) return list_formats();
+  RETARGET_TRY(check_player_use(arguments));
   if (!arguments.play.empty()) return play_clip(arguments, console);
   ServeRequest request = arguments.request;
   RETARGET_TRY(prepare_serve(request));

@@ -13,6 +13,7 @@
 #include "edit_arguments.h"
 #include "retarget/batch.h"
 #include "retarget/edit.h"
+#include "retarget/live_table.h"
 #include "retarget/option_table.h"
 #include "retarget/serve_table.h"
 
@@ -130,7 +131,7 @@ OptionTable live_command_table(LiveArguments& arguments) {
   table.push_back(option("play", arguments.play, "Player", "FILE",
                          "Only send this motion to --to, as the capture system would",
                          {.basic = true}));
-  append(table, player_table(arguments.player));
+  append(table, noting_given(player_table(arguments.player), arguments.request.given));
   table.push_back(option("list", arguments.list, kInputGroup, "",
                          "List the input and output formats and exit", {.basic = true}));
   append(table, common_table(arguments.common));

@@ -81,12 +81,11 @@ Result<std::optional<TerrainShape>> terrain_from_text(const std::string& text) {
       return std::optional(shape);
     }
   }
-  return usage_failure(
-      fmt::format("expected stairs:RISExTREAD, stairs:RISExTREADxCOUNT or slope:DEGREES, found "
-                  "\"{}\"",
-                  text),
-      fmt::format("a rise is {} to {} m, a tread {} to {} m, a slope {} to {} degrees", kMinRise,
-                  kMaxRise, kMinTread, kMaxTread, kMinSlope, kMaxSlope));
+  // In the message, because the command line has its own hint for values of options.
+  return usage_failure(fmt::format(
+      "expected stairs:RISExTREAD, stairs:RISExTREADxCOUNT or slope:DEGREES (a rise of {} to {} m, "
+      "a tread of {} to {} m, at most {} steps, a slope of {} to {} degrees), found \"{}\"",
+      kMinRise, kMaxRise, kMinTread, kMaxTread, kMaxSteps, kMinSlope, kMaxSlope, text));
 }
 
 Result<Vector3d> terrain_scale_from_text(const std::string& text) {

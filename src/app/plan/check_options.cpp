@@ -98,11 +98,26 @@ Result<void> check_scene_options(const SolveOptions& solve, const SaveOptions& s
   return {};
 }
 
+// Rejects options of the fit, which programs set without an options file, for other methods.
+Result<void> check_fit_unused(FitOptions fit) {
+  FitOptions default_options;
+  fit.threads = default_options.threads;  // Front ends set it for every method.
+  const OptionTable rows = fit_table(fit), defaults = fit_table(default_options);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (to_text(rows[i].get()) == to_text(defaults[i].get())) continue;
+    return usage_failure(
+        "the fit option \"" + rows[i].name + "\" requires " OPTION("method") " fit",
+        "omit " OPTION("method"));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> check_solving_options(const Options& options) {
   const SolveOptions& solve = options.solve;
   TRY(check_scene_options(solve, options.save));
+  if (solve.method != Method::kFit) TRY(check_fit_unused(solve.fit));
   if (solve.method != Method::kFit && (!solve.fit_config.empty() || !solve.with.empty() ||
                                        !solve.without.empty() || solve.fit_window_s > 0.0)) {
     return usage_failure(

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -235,14 +236,18 @@ std::vector<SummaryLine> Plan::robot_lines() const {
   return lines;
 }
 
-std::string Plan::summary() const {
+std::string summary_text(std::span<const SummaryLine> lines) {
   constexpr std::size_t kLabelWidth = 9;
   std::string text;
-  for (const auto& lines : {human.lines(), clip_notes, robot_lines()}) {
-    for (const auto& [label, words] : lines) {
-      text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
-    }
+  for (const auto& [label, words] : lines) {
+    text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
   }
+  return text;
+}
+
+std::string Plan::summary() const {
+  std::string text =
+      summary_text(human.lines()) + summary_text(clip_notes) + summary_text(robot_lines());
   for (const Warning& doubt : doubts()) {
     text += describe(doubt, clip ? clip->name() : "") + "\n";
   }

@@ -1,6 +1,7 @@
 #include "app/plan/surroundings.h"
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
 #include <limits>
@@ -20,6 +21,7 @@
 #include "retarget/restore_motion.h"
 #include "retarget/text.h"
 #include "scene/change_scene.h"
+#include "scene/scene_shapes.h"
 #include "solve/fit/foot_plan.h"
 
 namespace retarget {
@@ -155,12 +157,31 @@ Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
   return fit;
 }
 
+// Largest extent along the axes of the body's frame, metres.
+double size_of(const SceneBody& body) {
+  Eigen::AlignedBox3d box;
+  for (const SceneShape& shape : body.shapes) {
+    for (const auto& vertex : mesh_of_shape(shape).vertices) box.extend(vertex);
+  }
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+// Whether a smaller unit turned a body into a speck, which the human does not notice.
+bool has_speck(const Scene& scene, double unit) {
+  constexpr double kSpeck = 0.1;  // Metres.
+  return std::ranges::any_of(scene.bodies, [&](const SceneBody& body) {
+    const double size = size_of(body);
+    return size < kSpeck && size >= kSpeck * unit;
+  });
+}
+
 // Whether the scene suits the human if its file has the unit and axes of the clip.
 Result<bool> fits_in_clip_axes(const Clip& clip, const Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
   Scene scene = *plan.scene;
   std::vector<ObjectTrack> tracks = plan.object_tracks;
   bring_to_world(calibration.human_from_source, calibration.metres_per_unit, scene, tracks);
+  if (has_speck(scene, calibration.metres_per_unit)) return false;
   const auto fit = measure_fit(clip, plan, std::make_shared<const Scene>(std::move(scene)), tracks);
   return fit && fit->is_good();
 }

@@ -300,9 +300,11 @@ std::string outputs_text(std::span<const WrittenFile> files) {
 }
 
 void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,
-                    Observer& observer) {
+                    const SaveOptions& options, Observer& observer) {
   for (const WrittenFile& file : files) {
-    for (const std::string& loss : format_losses(motion, file.item.format)) {
+    const MotionFormat format = file.item.format;
+    const FrameRate rate = rate_of_format(format, options, motion.rate());
+    for (const std::string& loss : format_losses(motion, format, rate)) {
       observer.warn({{0, 0, loss}}, file.item.path);
     }
   }
@@ -318,7 +320,7 @@ Result<std::vector<WrittenFile>> write_motion(const RobotClip& clip,
   const OutputMotion written{&clip, std::nullopt, contacts};
   TRY_ASSIGN(auto files, outputs->finish({&written, 1}));
   observer.lines(outputs->lines());
-  warn_of_losses(clip, files, observer);
+  warn_of_losses(clip, files, options, observer);
   std::string text = outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") + " at " +
                      to_text(clip.rate()) + " fps";
   for (const WrittenFile& file : files) {

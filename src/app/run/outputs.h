@@ -153,7 +153,7 @@ class MotionOutputs {
 
 /// Warns about motion data that the output formats cannot store.
 void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,
-                    Observer& observer);
+                    const SaveOptions& options, Observer& observer);
 
 /// File names such as `walk.csv`, or `standard output`, separated by commas.
 [[nodiscard]] std::string outputs_text(std::span<const WrittenFile> files);

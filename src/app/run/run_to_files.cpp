@@ -19,6 +19,7 @@
 #include "retarget/load.h"
 #include "retarget/measure.h"
 #include "retarget/plan.h"
+#include "retarget/scene.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -239,6 +240,26 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
   return robot;
 }
 
+namespace {
+
+// Replaces the clip and its surroundings by their mirror images. Uses the calibration of the
+// original, so that both are interpreted alike.
+Result<void> mirror_plan(Plan& plan) {
+  const Calibration& calibration = plan.human.calibration;
+  TRY_ASSIGN(Clip image, located(mirror(*plan.clip, calibration), plan.clip->name()));
+  image.set_origin(plan.clip->origin());
+  if (plan.scene) {
+    Scene scene = *plan.scene;
+    mirror_scene(mirror_plane(*plan.clip, calibration), scene, plan.object_tracks);
+    plan.scene = std::make_shared<const Scene>(std::move(scene));
+  }
+  for (ContactEdit& edit : plan.contact_edits) edit.part = part_of_other_side(edit.part);
+  plan.clip = std::make_shared<const Clip>(std::move(image));
+  return {};
+}
+
+}  // namespace
+
 Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const RobotSetup& robot,
                            Observer& observer) {
   const DataFolder data_folder{robot.loaded.data_folder};
@@ -253,10 +274,7 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
   observer.warn(plan.doubts(), plan.clip->name());
   observer.lines(plan.clip_notes);
   if (request.mirror) {
-    // Use the calibration of the original, so that both are interpreted alike.
-    TRY_ASSIGN(Clip image, located(mirror(*plan.clip, plan.human.calibration), plan.clip->name()));
-    image.set_origin(plan.clip->origin());
-    plan.clip = std::make_shared<const Clip>(std::move(image));
+    TRY(mirror_plan(plan));
     observer.line("mirrored", "left for right");
   }
   TRY(save_bone_map(request.write_map, plan.human.map, plan.clip->skeleton()));
@@ -277,7 +295,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   TRY_ASSIGN(auto solved, solve_all(std::move(plan), run, request, *outputs, observer));
   auto outcome = write_results(run, request, solved, *outputs, observer);
   if (!outcome || request.hashes_only) return outcome;
-  warn_of_losses(solved.front().motion.clip, outcome->motions, observer);
+  warn_of_losses(solved.front().motion.clip, outcome->motions, run.options.save, observer);
   observer.warn(solver_warnings(solved.front().motion.solver_failures), run.motion);
   observer.line("wrote", outputs_text(outcome->motions) + " in " +
                              number_text(seconds_since(start), 2) + " s");

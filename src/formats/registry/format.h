@@ -58,7 +58,8 @@ struct Format {
   bool own_rate = false;  ///< Files have the tracker's rate (TrackingOptions), not the motion's.
   Result<std::vector<FormattedFile>> (*write)(const RobotClip& clip, MotionFormat format,
                                               const WriteMotionOptions& options) = nullptr;
-  std::vector<std::string> (*losses)(const RobotClip& motion) = nullptr;  ///< Null: none.
+  std::vector<std::string> (*losses)(const RobotClip& motion,
+                                     const FrameRate& rate) = nullptr;  ///< Null: none.
   /// Names of the options that only some formats use, separated by blanks.
   std::string_view options = {};
 

@@ -86,7 +86,7 @@ constexpr Format kFormats[] = {
     {"protomotions", kTorch, "`.motion`, a PyTorch file", "ProtoMotions", "", "rigid_body_pos",
      MotionFormat::kProtoMotions, ".motion", false, write_protomotions},
     {"csv-sonic", kFolder, "a folder of CSVs", "SONIC's deployment (GR00T-WholeBodyControl)", "",
-     "", MotionFormat::kCsvSonic, ".sonic", true, write_sonic_folder, nullptr, kSonicOptions},
+     "", MotionFormat::kCsvSonic, ".sonic", true, write_sonic_folder, sonic_losses, kSonicOptions},
     {"glb", kShown, "glTF 2.0, binary", "Blender, three.js, 3D viewers", "", "", MotionFormat::kGlb,
      ".glb", false, write_glb, nullptr, kNamed}};
 
@@ -230,9 +230,10 @@ std::string_view format_long_ending(MotionFormat format) {
   return robot_format(format).long_ending;
 }
 
-std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format) {
+std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format,
+                                       const FrameRate& rate) {
   const Format& row = robot_format(format);
-  return row.losses == nullptr ? std::vector<std::string>() : row.losses(motion);
+  return row.losses == nullptr ? std::vector<std::string>() : row.losses(motion, rate);
 }
 
 Result<std::vector<FormattedFile>> format_motion_files(const RobotClip& clip, MotionFormat format,

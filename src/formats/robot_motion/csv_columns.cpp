@@ -30,8 +30,15 @@ std::string quoted(const std::vector<std::string>& names) {
 class HeaderReader {
  public:
   HeaderReader(const std::vector<std::string>& cells, const Robot& robot)
-      : names_(column_names(cells)), joints_(robot) {
+      : robot_(robot), names_(column_names(cells)), joints_(robot) {
     for (std::size_t i = 0; i < names_.size(); ++i) take(names_[i], static_cast<int>(i));
+    // Without a unit, a value next to others in degrees may be in radians, too.
+    if (columns_.degrees.value_or(false) && !joint_without_unit_.empty()) {
+      conflict_ = "joints in degrees, and \"" + joint_without_unit_ + "\" without a unit";
+    }
+    if (columns_.metres_per_unit.value_or(1.0) != 1.0 && !position_without_unit_.empty()) {
+      conflict_ = "positions with a unit, and \"" + position_without_unit_ + "\" without a unit";
+    }
   }
 
   [[nodiscard]] const CsvColumns& columns() const { return columns_; }
@@ -57,6 +64,9 @@ class HeaderReader {
   void take_joint(const ColumnName& name, int column, int joint) {
     if (!seen_.insert(joint).second) conflict_ = "a joint twice: \"" + name.given + "\"";
     columns_.joints.emplace_back(column, joint);
+    const bool slides =
+        robot_.joints()[static_cast<std::size_t>(joint)].type == RobotJoint::Type::kSlide;
+    if (name.unit.empty() && !slides) joint_without_unit_ = name.given;
     take_angle_unit(name);
   }
 
@@ -129,6 +139,7 @@ class HeaderReader {
     } else if (axis < 3 && kPlaces.contains(plain)) {
       put(columns_.position[axis], column, name);
       columns_.soma = columns_.soma || plain == "translate";
+      if (name.unit.empty()) position_without_unit_ = name.given;
       take_length_unit(name);
     } else if (axis < 3 && plain == "rotate") {
       put(columns_.euler[axis], column, name);
@@ -139,10 +150,12 @@ class HeaderReader {
     return true;
   }
 
+  const Robot& robot_;
   std::vector<ColumnName> names_;
   JointNames joints_;
   CsvColumns columns_;
-  std::set<int> seen_;  // Joints.
+  std::string joint_without_unit_, position_without_unit_;  // The last ones; usually empty.
+  std::set<int> seen_;                                      // Joints.
   std::vector<std::string> unknown_;
   std::string conflict_;
 };

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/option_name.h"
 #include "base/try.h"
@@ -18,6 +19,7 @@
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -99,6 +101,35 @@ ClockSteps clock_steps(const CsvTable& table, int column) {
     break;
   }
   return steps;
+}
+
+// A row whose time is too far from that of the row before.
+struct OddStep {
+  std::size_t row = 0;
+  double step = 0.0, usual = 0.0;  // The median is usual.
+};
+
+// Finds the first missing or added frame. A single late or early time changes two adjacent steps,
+// which together are as long as usual.
+std::optional<OddStep> odd_step(const CsvTable& table, int column, double resolution) {
+  const auto at = static_cast<std::size_t>(column);
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    steps.push_back(table.row(i)[at] - table.row(i - 1)[at]);
+  }
+  const double usual = median(steps);
+  // Rounded steps may differ by the resolution.
+  const double allowed = 1.01 * std::max(0.5 * usual, resolution);
+  const auto is_odd = [&](double apart, int count) {
+    return std::abs(apart - count * usual) > allowed;
+  };
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!is_odd(steps[i], 1)) continue;
+    if (i > 0 && !is_odd(steps[i - 1] + steps[i], 2)) continue;
+    if (i + 1 < steps.size() && !is_odd(steps[i] + steps[i + 1], 2)) continue;
+    return OddStep{i + 1, steps[i], usual};
+  }
+  return std::nullopt;
 }
 
 // Common frame rates, Hz.
@@ -222,6 +253,11 @@ class ClockReader {
     if (steps_.deviation > 0.5 * steps_.step) {
       return doubt("is not uniform: the time of frame " + std::to_string(steps_.where) + " is " +
                    number_text(steps_.deviation * tick, 4) + " s off a uniform rate");
+    }
+    if (const auto odd = odd_step(table_, columns_.clock, steps_.resolution)) {
+      return doubt("is not uniform: line " + std::to_string(table_.lines[odd->row]) + " comes " +
+                   number_text(odd->step * tick, 4) + " s after the line before, not " +
+                   number_text(odd->usual * tick, 4) + " s as usual; frames may be missing");
     }
     const char* unit = tick == 1.0 ? "s" : tick == 1e-3 ? "ms" : tick == 1e-6 ? "us" : "ns";
     const FrameRate rate = rate_of_times(table_, columns_.clock, steps_, tick);

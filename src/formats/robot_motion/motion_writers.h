@@ -36,8 +36,10 @@ using MotionFiles = Result<std::vector<FormattedFile>>;
 [[nodiscard]] std::vector<std::string> sonic_file_names();
 
 /// Losses of a motion in a format, one line each; see format_losses.
-[[nodiscard]] std::vector<std::string> soma_csv_losses(const RobotClip& motion);
-[[nodiscard]] std::vector<std::string> pbhc_losses(const RobotClip& motion);
+[[nodiscard]] std::vector<std::string> soma_csv_losses(const RobotClip& motion,
+                                                       const FrameRate& rate);
+[[nodiscard]] std::vector<std::string> sonic_losses(const RobotClip& motion, const FrameRate& rate);
+[[nodiscard]] std::vector<std::string> pbhc_losses(const RobotClip& motion, const FrameRate& rate);
 
 /// A single file without a name.
 [[nodiscard]] inline MotionFiles one_file(Result<std::string> bytes) {

@@ -59,11 +59,16 @@ std::vector<std::string> column_names(const Robot& robot, const RobotCsvOptions&
   return names;
 }
 
+// Quotes a name that contains a delimiter of any CSV.
+std::string quoted_cell(const std::string& name) {
+  return name.find_first_of(",; \t") == std::string::npos ? name : '"' + name + '"';
+}
+
 std::string header_line(const Robot& robot, const RobotCsvOptions& options) {
   std::string line;
   for (const std::string& name : column_names(robot, options)) {
     if (!line.empty()) line += options.delimiter;
-    line += name;
+    line += quoted_cell(name);
   }
   return line + '\n';
 }

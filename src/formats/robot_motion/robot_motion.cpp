@@ -325,13 +325,13 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
          number_text(largest, 3) + " rad (" + worst + "): " + list_names(lost, kShown);
 }
 
-std::vector<std::string> soma_csv_losses(const RobotClip& motion) {
-  if (soma_csv_tells(motion.rate())) return {};
-  return {"csv-soma stores no rate: its readers assume 120 fps, this motion has " +
-          to_text(motion.rate()) + "; " OPTION("fps") " 120 writes the expected rate"};
+std::vector<std::string> soma_csv_losses(const RobotClip& /*motion*/, const FrameRate& rate) {
+  if (soma_csv_tells(rate)) return {};
+  return {"csv-soma stores no rate: its readers assume 120 fps, this motion has " + to_text(rate) +
+          "; " OPTION("fps") " 120 writes the expected rate"};
 }
 
-std::vector<std::string> pbhc_losses(const RobotClip& motion) {
+std::vector<std::string> pbhc_losses(const RobotClip& motion, const FrameRate& /*rate*/) {
   const auto robot = pbhc_robot(motion.shared_robot());
   if (!robot || *robot == motion.shared_robot()) return {};
   const auto lost = lost_joints(motion, **robot);

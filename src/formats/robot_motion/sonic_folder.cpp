@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/option_name.h"
 #include "base/try.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "formats/robot_motion/raw_motion.h"
@@ -180,6 +181,12 @@ MotionFiles write_sonic_folder(const RobotClip& clip, MotionFormat format,
     files.push_back({kContacts, format_contacts_csv(*motion.contacts, motion.rate)});
   }
   return files;
+}
+
+std::vector<std::string> sonic_losses(const RobotClip& /*motion*/, const FrameRate& rate) {
+  if (same_rate(rate, kSonicRate)) return {};
+  return {"csv-sonic stores no rate: its readers assume 50 fps, this motion has " + to_text(rate) +
+          "; " OPTION("npz-fps") " 50 writes the expected rate"};
 }
 
 std::vector<std::string> sonic_file_names() {

@@ -66,9 +66,11 @@ void JointDemand::find_spans(const Robot& robot, const std::vector<Target>& targ
 
 // Solves the trunk at most once per frame, because that takes much longer than the rest.
 Eigen::Quaterniond JointDemand::world_from_target(int target) {
+  // Radians; a hundredth of the tolerance of reaches().
+  constexpr double kPrecise = 2e-4;
   const HumanPose& human = human_->frame(frame_);
   if (!has_trunk_ && targets_->is_of_trunk(target)) {
-    trunk_ = targets_->aim_trunk(human);
+    trunk_ = targets_->aim_trunk(human, kPrecise);
     has_trunk_ = true;
   }
   return targets_->rotation(target, human, trunk_);

@@ -33,7 +33,7 @@ class OffsetMeter {
         state_(robot.tree()),
         is_free_(robot.joints().size()),
         sums_(robot.joints().size()) {
-    for (const LimbDirections& limb : limbs) joints_of_limb_.push_back(joints_that_move(limb));
+    for (const LimbDirections& limb : limbs) movers_.push_back(find_movers(limb));
   }
 
   void add(std::span<const double> qpos, int frame) {
@@ -41,7 +41,7 @@ class OffsetMeter {
     find_free_joints(qpos);
     for (std::size_t i = 0; i < limbs_.size(); ++i) {
       const auto at = static_cast<std::size_t>(frame);
-      if (limbs_[i].is_free(at)) add_limb(limbs_[i], joints_of_limb_[i], at);
+      if (limbs_[i].is_free(at)) add_limb(limbs_[i], movers_[i], at);
     }
   }
 
@@ -56,27 +56,59 @@ class OffsetMeter {
     return {&limb.to[0], &limb.to[1], &limb.from[0], &limb.from[1]};
   }
 
-  // A joint that moves an end of a limb.
+  // The ends of a limb that a joint moves, in the order of ends_of().
+  using MovedEnds = std::array<bool, 4>;
+
+  // A joint that moves ends of a limb.
   struct MovingJoint {
     int joint = 0, dof = 0;
-    std::array<bool, 4> moves{};  // In the order of ends_of().
+    std::size_t ends = 0;  // Index into Movers::ends.
+  };
+  struct Movers {
+    std::vector<MovedEnds> ends;  // Without repetitions.
+    std::vector<MovingJoint> joints;
   };
 
-  [[nodiscard]] std::vector<MovingJoint> joints_that_move(const LimbDirections& limb) const {
+  [[nodiscard]] Movers find_movers(const LimbDirections& limb) const {
     const KinematicTree& tree = robot_.tree();
-    std::vector<MovingJoint> found;
+    Movers found;
     for (const int joint : robot_.output_joints()) {
       if (robot_.joints()[static_cast<std::size_t>(joint)].type != RobotJoint::Type::kHinge) {
         continue;
       }
       const int link = tree.link_of_joint(joint);
-      MovingJoint moving{joint, KinematicTree::dof_of(link)};
-      std::ranges::transform(ends_of(limb), moving.moves.begin(), [&](const LimbEnd* end) {
+      MovedEnds ends{};
+      std::ranges::transform(ends_of(limb), ends.begin(), [&](const LimbEnd* end) {
         return tree.carries(link, tree.attachment(end->body).link);
       });
-      if (std::ranges::find(moving.moves, true) != moving.moves.end()) found.push_back(moving);
+      if (std::ranges::find(ends, true) == ends.end()) continue;
+      const auto same = std::ranges::find(found.ends, ends);
+      const auto index = static_cast<std::size_t>(same - found.ends.begin());
+      if (same == found.ends.end()) found.ends.push_back(ends);
+      found.joints.push_back({joint, KinematicTree::dof_of(link), index});
     }
     return found;
+  }
+
+  // The signed sum of the moved ends; a joint velocity of 1 rad/s moves their difference by
+  // signs * linear + angular x arm.
+  struct Lever {
+    double signs = 0.0;
+    Vector3d arm = Vector3d::Zero();  // From the base's origin, metres.
+  };
+
+  void find_levers(const LimbDirections& limb, const Movers& movers) {
+    const auto ends = ends_of(limb);
+    levers_.assign(movers.ends.size(), {});
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const Vector3d place =
+          state_.world_from_body(ends[i]->body) * ends[i]->body_from_joint - state_.origin();
+      for (std::size_t k = 0; k < levers_.size(); ++k) {
+        if (!movers.ends[k][i]) continue;
+        levers_[k].signs += kSigns[i];
+        levers_[k].arm += kSigns[i] * place;
+      }
+    }
   }
 
   // Excludes joints at a limit, because the limit causes their deviation.
@@ -90,23 +122,18 @@ class OffsetMeter {
     }
   }
 
-  void add_limb(const LimbDirections& limb, const std::vector<MovingJoint>& joints,
-                std::size_t frame) {
+  void add_limb(const LimbDirections& limb, const Movers& movers, std::size_t frame) {
     const Vector3d& along = limb.robot[frame];
     const double length = along.norm();
     if (!(length > 0.0) || !(limb.human[frame].norm() > 0.0)) return;
     const Vector3d have = along / length, want = limb.human[frame].normalized();
-    const auto ends = ends_of(limb);
-    std::array<Vector3d, 4> places;
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      places[i] = state_.world_from_body(ends[i]->body) * ends[i]->body_from_joint;
-    }
-    for (const auto& [joint, dof, moves] : joints) {
+    find_levers(limb, movers);
+    for (const auto& [joint, dof, ends] : movers.joints) {
       if (is_free_[static_cast<std::size_t>(joint)] == 0) continue;
-      Vector3d velocity = Vector3d::Zero();  // Per joint velocity, m/rad.
-      for (std::size_t i = 0; i < ends.size(); ++i) {
-        if (moves[i]) velocity += kSigns[i] * state_.velocity_at(dof, places[i]);
-      }
+      const auto& [signs, arm] = levers_[ends];
+      // Per joint velocity, m/rad.
+      const Vector3d velocity = signs * state_.linear[static_cast<std::size_t>(dof)] +
+                                state_.angular[static_cast<std::size_t>(dof)].cross(arm);
       const Vector3d moved = (velocity - have * have.dot(velocity)) / length;
       OffsetSum& sum = sums_[static_cast<std::size_t>(joint)][static_cast<std::size_t>(limb.rank)];
       sum.toward += moved.dot(want);
@@ -118,7 +145,8 @@ class OffsetMeter {
   const LimitSet& limits_;
   const std::vector<LimbDirections>& limbs_;
   TreeState state_;
-  std::vector<std::vector<MovingJoint>> joints_of_limb_;
+  std::vector<Movers> movers_;    // By limb.
+  std::vector<Lever> levers_;     // Scratch memory, by Movers::ends.
   std::vector<char> is_free_;     // By joint.
   std::vector<OffsetSums> sums_;  // By joint.
 };

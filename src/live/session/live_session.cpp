@@ -12,7 +12,6 @@
 #include "live/session/sender_clock.h"
 #include "retarget/live_table.h"
 #include "retarget/online_solver.h"
-#include "retarget/option_name.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -23,16 +22,8 @@ constexpr double kPatience =
 constexpr double kTooFar = 1e5;  // Metres from the origin.
 constexpr double kSetBack = 0.04;  // Seconds; a smaller backward step of a clock is jitter.
 
-Result<void> check_options(const Plan& plan, const LiveOptions& options) {
-  LiveOptions given = options;
-  for (const Option& row : live_table(given)) {
-    auto sound = check_option(row, row.get());
-    if (!sound) return usage_failure(marked_option(row.name) + ": " + sound.error().message);
-  }
-  if (options.mode == LiveMode::kLag && plan.options.solve.method != Method::kFit) {
-    return usage_failure(
-        "a lag requires the method fit, which looks ahead; gmr solves single frames");
-  }
+Result<void> check_session(const Plan& plan, const LiveOptions& options) {
+  RETARGET_TRY(check_live_options(options, plan.options.solve.method));
   if (!plan.clip || plan.clip->frame_count() == 0) {
     return usage_failure("a stream needs a plan with at least one frame of the performer");
   }
@@ -124,7 +115,7 @@ class LiveSession::Impl {
 
 void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   ++statistics_.received;
-  if (!is_sound(frame.world_from_bone)) {
+  if (!is_sound(frame.world_from_bone) || !is_live_time(now)) {
     ++statistics_.bad;
     return;
   }
@@ -150,7 +141,7 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   if (was_set_back(*time, now)) limiter_.set_off_slowly();
   if (!queue_.empty() && *time <= queue_.newest()) note_older(*time, now);
   const double bridged = kMaxBridgedGap * std::max(1.0, clock_.rate());
-  switch (queue_.push(*time, frame.world_from_bone, now, bridged)) {
+  switch (queue_.push(*time, frame.world_from_bone, now, bridged, by_sender)) {
     case FrameQueue::Taken::kYes:
       playout_.observe(queue_, clock_);
       break;
@@ -187,6 +178,7 @@ std::optional<RobotFrame> LiveSession::Impl::pull(double now) {
   constexpr double kNow = 1e-9;
   if (!begin()) return std::nullopt;
   if (finished_) return show_rest();
+  if (!is_live_time(now)) return std::nullopt;
   for (;;) {
     const Playout::Slot slot = playout_.next(queue_, clock_);
     if (now < slot.at - kNow) return std::nullopt;
@@ -200,7 +192,7 @@ std::optional<double> LiveSession::Impl::due() const {
 }
 
 void LiveSession::Impl::skip_to(double now) {
-  if (!begun_) return;
+  if (!begun_ || !is_live_time(now)) return;
   const double away = now - playout_.next(queue_, clock_).at;
   if (away <= 0.0) return;
   statistics_.missed += playout_.skip_to(now);
@@ -230,7 +222,7 @@ std::optional<RobotFrame> LiveSession::Impl::leave(const Playout::Slot& slot) {
   }
   if (is_new || (has_human_ && has_window())) {
     if (feed(human_)) return show(slot, LiveState::kFollowing);
-    // The window is still filling; hold the previous configuration if there is one.
+    // The window is still filling; hold the pose if there is one.
     if (!limiter_.has_begun()) return std::nullopt;
     return show(slot, LiveState::kHolding);
   }
@@ -262,7 +254,8 @@ bool LiveSession::Impl::feed(const HumanPose& human) {
   return true;
 }
 
-// Produces a frame without input: holds the last pose, then returns to standing.
+// Produces a frame without input: the robot holds its pose, then returns to standing. It does not
+// complete the motion in the window, because no human leads it any more.
 // @param seconds  time for which frames have been missing.
 // @return whether there is a configuration to show
 bool LiveSession::Impl::hold(double seconds) {
@@ -272,9 +265,7 @@ bool LiveSession::Impl::hold(double seconds) {
       if (limiter_.has_begun()) standing_.place(limiter_.qpos());
     }
     std::ranges::copy(standing_.qpos(), wanted_.begin());
-    return limiter_.has_begun();
   }
-  if (has_human_ && has_window()) feed(human_);
   return limiter_.has_begun();
 }
 
@@ -290,6 +281,12 @@ void LiveSession::Impl::interrupt(double now) {
 }
 
 void LiveSession::Impl::limit(const Playout::Slot& slot, LiveState state) {
+  if (state == LiveState::kHolding) {
+    // The last target may be far away, so the robot stops where it is.
+    catches_up_ = false;
+    if (limiter_.stop(slot.step)) ++statistics_.limited;
+    return;
+  }
   const bool limits =
       options_.limit_speeds || state != LiveState::kFollowing || limiter_.sets_off() || catches_up_;
   if (!limits) {
@@ -327,7 +324,8 @@ std::optional<RobotFrame> LiveSession::Impl::show_rest() {
       if (auto frame = leave(slot)) return frame;
       continue;
     }
-    if (!has_window() || !has_human_) return std::nullopt;
+    // A robot that holds its pose does not move again at the end.
+    if (!has_window() || !has_human_ || (absent_ && limiter_.has_begun())) return std::nullopt;
     const bool has_rest = solver_->take_rest();
     statistics_.failed_steps += solver_->take_failed_steps();
     if (!has_rest) return std::nullopt;
@@ -373,7 +371,7 @@ LiveSession::Body& LiveSession::Body::operator=(Body&&) noexcept = default;
 
 Result<LiveSession::Body> LiveSession::prepare(const Plan& plan, const LiveOptions& options,
                                                const Robot& robot) {
-  RETARGET_TRY(check_options(plan, options));
+  RETARGET_TRY(check_session(plan, options));
   if (plan.robot.robot->configuration_size() != robot.configuration_size()) {
     return usage_failure("a stream cannot change its robot");
   }
@@ -386,7 +384,7 @@ void LiveSession::recalibrate(Body body) {
 }
 
 Result<LiveSession> LiveSession::make(const Plan& plan, const LiveOptions& options) {
-  RETARGET_TRY(check_options(plan, options));
+  RETARGET_TRY(check_session(plan, options));
   RETARGET_TRY_ASSIGN(auto solver, make_solver(plan, options));
   return LiveSession(std::make_unique<Impl>(plan, options, std::move(solver)));
 }

@@ -1,6 +1,14 @@
 #include "retarget/live_table.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "retarget/check_options.h"
 #include "retarget/option_name.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
@@ -48,6 +56,71 @@ OptionTable live_table(LiveOptions& options) {
                 "Maximum root turn rate after such an interruption"),
           bound("resume-time", options.limits.resume_s, "SECONDS",
                 "Time until the full speeds are allowed again")};
+}
+
+OptionTable noting_given(OptionTable table, std::vector<std::string>& given) {
+  for (Option& row : table) {
+    row.set = [set = std::move(row.set), name = row.name, &given](const OptionValue& value) {
+      given.push_back(name);
+      return set(value);
+    };
+  }
+  return table;
+}
+
+namespace {
+
+// Options of the fit that single frames use as well: joint speeds, contacts of feet.
+constexpr std::array<std::string_view, 6> kFrameFitOptions = {
+    "max_joint_speed",       "max_joint_step", "contact_speed",
+    "contact_release_speed", "contact_height", "contact_release_height"};
+
+Result<void> check_fit_of_frames(const Options& run) {
+  if (!run.solve.without.empty()) {
+    return usage_failure(RETARGET_OPTION("without") " requires " RETARGET_OPTION("mode") " lag",
+                         "single frames have no terms of a fit");
+  }
+  if (run.solve.fit_config.empty()) return {};
+  Options usual = run;
+  usual.solve.fit_config.clear();
+  RETARGET_TRY_ASSIGN(FitOptions fit, choose_fit(run, run.solve.fit));
+  RETARGET_TRY_ASSIGN(FitOptions usual_fit, choose_fit(usual, run.solve.fit));
+  const OptionTable rows = fit_table(fit), usual_rows = fit_table(usual_fit);
+  std::vector<std::string> unused;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool is_used =
+        std::ranges::find(kFrameFitOptions, rows[i].name) != kFrameFitOptions.end();
+    if (!is_used && rows[i].get() != usual_rows[i].get()) unused.push_back(rows[i].name);
+  }
+  if (unused.empty()) return {};
+  return usage_failure(
+      run.solve.fit_config + ": " + list_names(unused) +
+          " of " RETARGET_OPTION("fit-config") " requires " RETARGET_OPTION("mode") " lag",
+      "single frames use only its joint speed limits and contact thresholds");
+}
+
+}  // namespace
+
+Result<void> check_live_use(const LiveOptions& options, const Options& run,
+                            std::span<const std::string> given) {
+  if (options.mode == LiveMode::kLag) return {};
+  if (std::ranges::find(given, "lag") != given.end()) {
+    return usage_failure(RETARGET_OPTION("lag") " requires " RETARGET_OPTION("mode") " lag",
+                         "add " RETARGET_OPTION("mode") " lag");
+  }
+  return run.solve.method == Method::kFit ? check_fit_of_frames(run) : Result<void>();
+}
+
+Result<void> check_live_options(const LiveOptions& options, Method method) {
+  LiveOptions given = options;
+  for (const Option& row : live_table(given)) {
+    auto sound = check_option(row, row.get());
+    if (!sound) return usage_failure(marked_option(row.name) + ": " + sound.error().message);
+  }
+  if (options.mode != LiveMode::kLag || method == Method::kFit) return {};
+  return usage_failure(
+      "a lag requires the method fit, which looks ahead; gmr solves single frames",
+      "omit " RETARGET_OPTION("method") ", or use " RETARGET_OPTION("mode") " frame");
 }
 
 }  // namespace retarget

@@ -157,16 +157,30 @@ bool MotionLimiter::follow(std::span<const double> wanted, double seconds) {
     since_.reset();
     return false;
   }
-  bool limited = follow_position(wanted, seconds);
-  limited = follow_rotation(wanted, seconds) || limited;
-  for (JointRow& joint : joints_) {
-    limited = follow_joint(joint, wanted[joint.address], seconds) || limited;
-  }
+  const bool limited = step_towards(wanted, seconds);
   std::ranges::copy(wanted, goal_.begin());
   has_goal_ = true;
   if (since_) {
     *since_ += seconds;
     if (*since_ >= bounds_.resume_s) since_.reset();
+  }
+  return limited;
+}
+
+bool MotionLimiter::stop(double seconds) {
+  // The next target is unrelated to the one before. The resume limits ramp up only while there is a
+  // target.
+  has_goal_ = false;
+  // A target at the current configuration that does not move leaves only braking.
+  return step_towards(now_, seconds);
+}
+
+// The target may be the current configuration itself.
+bool MotionLimiter::step_towards(std::span<const double> wanted, double seconds) {
+  bool limited = follow_position(wanted, seconds);
+  limited = follow_rotation(wanted, seconds) || limited;
+  for (JointRow& joint : joints_) {
+    limited = follow_joint(joint, wanted[joint.address], seconds) || limited;
   }
   return limited;
 }

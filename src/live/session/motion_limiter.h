@@ -52,6 +52,11 @@ class MotionLimiter {
   /// for continuity.
   void take(std::span<const double> wanted, double seconds);
 
+  /// Takes one step without a target: brakes to a stop within the limits, then rests.
+  /// @pre has_begun()
+  /// @return whether it still moves.
+  bool stop(double seconds);
+
   /// Declares an interruption: the next target may be anywhere, so speed limits ramp up again.
   void set_off_slowly();
   /// Whether the speed limits are still ramping up after set_off_slowly().
@@ -76,6 +81,7 @@ class MotionLimiter {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
     Eigen::Vector3d aim = Eigen::Vector3d::Zero();  // Velocity of the target.
   };
+  bool step_towards(std::span<const double> wanted, double seconds);
   bool follow_joint(JointRow& joint, double wanted, double seconds);
   bool follow_position(std::span<const double> wanted, double seconds);
   bool follow_rotation(std::span<const double> wanted, double seconds);

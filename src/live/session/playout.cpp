@@ -31,7 +31,7 @@ FrameQueue::FrameQueue() : slots_(kCapacity) {
 }
 
 FrameQueue::Taken FrameQueue::push(double time, const HumanPose& pose, double arrival,
-                                   double bridged) {
+                                   double bridged, bool stamped) {
   if (count_ > 0 && time < at(0).time - kSameTime) return Taken::kLate;
   std::size_t place = count_;
   while (place > 0 && at(place - 1).time > time - kSameTime) --place;
@@ -42,7 +42,7 @@ FrameQueue::Taken FrameQueue::push(double time, const HumanPose& pose, double ar
     --place;
   }
   if (place == count_ && count_ > 0) {
-    learn_interval(time - at(count_ - 1).time);
+    learn_interval(time - at(count_ - 1).time, stamped);
   } else if (place < count_) {
     lost_ = std::max(0L, lost_ - 1);
   }
@@ -66,10 +66,10 @@ void FrameQueue::see_cut(std::size_t place, double bridged) {
   slot.cut = teleport || slot.time - before.time > bridged;
 }
 
-void FrameQueue::learn_interval(double gap) {
+void FrameQueue::learn_interval(double gap, bool stamped) {
   if (gap > kMaxBridgedGap) return;
   constexpr double kMissing = 1.5;  // Intervals.
-  if (interval_ > 0.0 && gap > kMissing * interval_) {
+  if (stamped && interval_ > 0.0 && gap > kMissing * interval_) {
     lost_ += std::lround(gap / interval_) - 1;
   }
   gaps_[gap_count_++ % gaps_.size()] = gap;
@@ -192,11 +192,11 @@ void Playout::observe(const FrameQueue& queue, const SenderClock& clock) {
   locked_ = whole >= 1.0 && std::abs(times / whole - 1.0) < (locked_ ? kLeave : kEnter);
 }
 
-int Playout::skip_to(double now) {
-  const int missed = std::max(0, static_cast<int>((now - grid_) / frame_time_));
+std::int64_t Playout::skip_to(double now) {
+  const double missed = std::max(0.0, std::floor((now - grid_) / frame_time_));
   grid_ += missed * frame_time_;
   not_before_ = now;
-  return missed;
+  return static_cast<std::int64_t>(missed);
 }
 
 Playout::Slot Playout::next(const FrameQueue& queue, const SenderClock& clock) const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -27,7 +28,10 @@ class FrameQueue {
   /// @param time     session time, seconds.
   /// @param arrival  local clock, seconds.
   /// @param bridged  longest gap that is interpolated, seconds of session time.
-  Taken push(double time, const HumanPose& pose, double arrival, double bridged = kMaxBridgedGap);
+  /// @param stamped  whether the time is a timestamp of the sender. Arrival times do not show
+  ///     whether a frame is missing.
+  Taken push(double time, const HumanPose& pose, double arrival, double bridged = kMaxBridgedGap,
+             bool stamped = true);
 
   /// Samples the human pose at a time. Interpolates between two frames; before a cut, repeats the
   /// frame before it. Discards frames that are no longer needed, so the requested times must not
@@ -67,7 +71,7 @@ class FrameQueue {
   [[nodiscard]] Slot& at(std::size_t i) { return slots_[order_[i]]; }
   [[nodiscard]] const Slot& at(std::size_t i) const { return slots_[order_[i]]; }
   void drop_first(std::size_t frames);
-  void learn_interval(double gap);
+  void learn_interval(double gap, bool stamped);
   void see_cut(std::size_t place, double bridged);
 
   static constexpr std::size_t kCapacity = 256;
@@ -100,7 +104,7 @@ class Playout {
   void observe(const FrameQueue& queue, const SenderClock& clock);
   /// Reschedules the overdue frame to leave now and drops the slots missed in between.
   /// @return number of dropped slots
-  int skip_to(double now);
+  std::int64_t skip_to(double now);
   /// Declares a discontinuity: the next input is unrelated to earlier times.
   void cut() { cut_ = true; }
 

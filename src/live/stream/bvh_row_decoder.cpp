@@ -47,10 +47,12 @@ class BvhRowDecoder final : public Decoder {
   Result<void> take_line(std::string_view line, StreamSink& sink);
   Result<void> end_header(StreamSink& sink);
   Result<void> take_row(std::string_view line, StreamSink& sink);
+  void take_frame_time(std::string_view text);
   void use(const std::shared_ptr<const Skeleton>& skeleton);
 
   std::shared_ptr<const Skeleton> known_;  // From the user's file; null: none.
   double fps_;                             // 0: rows have no timestamps.
+  std::optional<FrameRate> declared_;      // From the stream's header.
   std::string header_;                     // Partial header; empty while rows arrive.
   std::optional<BvhRowReader> rows_;
   std::optional<Clip> clip_;  // Has one frame.
@@ -65,6 +67,7 @@ void BvhRowDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleto
 
 void BvhRowDecoder::use(const std::shared_ptr<const Skeleton>& skeleton) {
   rows_.emplace(*skeleton);
+  declared_.reset();
   clip_.emplace(skeleton, FrameRate{}, 1);
   count_ = 0;
 }
@@ -93,9 +96,19 @@ Result<void> BvhRowDecoder::take_line(std::string_view line, StreamSink& sink) {
     header_.append(line).append("\n");
     return {};
   }
-  // The lines between MOTION and the rows do not apply to a stream.
-  if (line.starts_with("Frames:") || line.starts_with("Frame Time:")) return {};
-  return take_row(line, sink);
+  // A stream has any number of frames.
+  if (line.starts_with("Frames:")) return {};
+  constexpr std::string_view kFrameTime = "Frame Time:";
+  if (!line.starts_with(kFrameTime)) return take_row(line, sink);
+  take_frame_time(trimmed(line.substr(kFrameTime.size())));
+  return {};
+}
+
+void BvhRowDecoder::take_frame_time(std::string_view text) {
+  constexpr double kShortest = 1e-4, kLongest = 10.0;  // seconds
+  const auto seconds = parse_number<double>(text);
+  if (!seconds || *seconds < kShortest || *seconds > kLongest) return;
+  declared_ = frame_rate_from_frame_time(*seconds);
 }
 
 Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
@@ -116,6 +129,8 @@ Result<void> BvhRowDecoder::take_row(std::string_view line, StreamSink& sink) {
   RETARGET_TRY(rows_->read(line, *clip_, 0));
   frame_.time =
       fps_ > 0.0 ? static_cast<double>(count_) / fps_ : std::numeric_limits<double>::quiet_NaN();
+  frame_.declared =
+      declared_ ? declared_->time_of(count_) : std::numeric_limits<double>::quiet_NaN();
   ++count_;
   frame_.rotations.assign(clip_->rotations(0).begin(), clip_->rotations(0).end());
   frame_.translations.assign(clip_->translations(0).begin(), clip_->translations(0).end());

@@ -157,20 +157,14 @@ Result<std::unique_ptr<FrameOutput>> open_byte_output(const StreamAddress& to,
                                                       const FrameOutputContext& context) {
   auto writer = make_frame_writer(to.format, to.file, context.robot, context.fps, context.held);
   if (to.transport == Transport::kUdp) {
-    RETARGET_TRY(check_extras(to, std::array<std::string, 1>{"interface"}));
     auto output = std::make_unique<DatagramOutput>(to, context, std::move(writer));
     RETARGET_TRY(output->open());
     return output;
   }
-  RETARGET_TRY(check_extras(to, {}));
   if (to.transport == Transport::kTcp) {
-    if (to.port == 0) return usage_failure(to.text() + " has no destination port");
     auto output = std::make_unique<ConnectionOutput>(to, context, std::move(writer));
     RETARGET_TRY(output->open());
     return output;
-  }
-  if (to.transport == Transport::kStdin) {
-    return usage_failure("cannot send to standard input");
   }
   RETARGET_TRY_ASSIGN(Descriptor file, open_for_writing(to));
   return std::make_unique<WriterOutput>(to, std::move(file), context, std::move(writer));
@@ -225,7 +219,6 @@ DatagramOutput::DatagramOutput(const StreamAddress& to, const FrameOutputContext
 }
 
 Result<void> DatagramOutput::open() {
-  if (to_.port == 0) return usage_failure(to_.text() + " has no destination port");
   RETARGET_TRY_ASSIGN(socket_, connect_socket(to_));
   if (!header_.empty()) static_cast<void>(send(header_));
   return {};

@@ -86,6 +86,7 @@ class RequestServer {
 
 /// Sends robot frames as JSON lines or CSV to datagrams, a connection, a file or standard output.
 /// Errors: unavailable address; unwritable file.
+/// @pre check_frame_output() accepts the address.
 [[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_byte_output(
     const StreamAddress& to, const FrameOutputContext& context);
 

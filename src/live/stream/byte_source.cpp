@@ -64,12 +64,34 @@ SenderLock::Verdict SenderLock::judge(const Endpoint& from, double now) {
   const bool same_host = sender_ && sender_->host == from.host;
   const bool same = same_host && (any_port_ || sender_->port == from.port);
   if (!is_free && !same && (!same_host || is_steady_)) return Verdict::kStranger;
-  const bool is_new_host = sender_ && !same_host;
+  // Another port is another program, unless the program uses a new port for every datagram.
+  const bool is_new = sender_ && !same && (!same_host || is_steady_);
   // If two programs on one machine send, the first of them that sends again remains the sender.
   is_steady_ = has_sent_recently(from.port, now) || (same && is_steady_);
   sender_ = from;
   latest_ = now;
-  return is_new_host ? Verdict::kNewSender : Verdict::kSender;
+  return is_new ? Verdict::kNewSender : Verdict::kSender;
+}
+
+void EarlyDatagrams::keep(const Endpoint& from, std::string_view bytes, double now) {
+  constexpr std::size_t kMostSenders = 4, kMostDatagrams = 4;
+  auto place = std::ranges::find(senders_, from, &Sender::address);
+  if (place == senders_.end()) {
+    if (senders_.size() == kMostSenders) {
+      senders_.erase(std::ranges::min_element(senders_, {}, &Sender::latest));
+    }
+    place = senders_.insert(senders_.end(), Sender{from, now, {}});
+  }
+  place->latest = now;
+  if (place->datagrams.size() < kMostDatagrams) place->datagrams.emplace_back(bytes);
+}
+
+std::vector<std::string> EarlyDatagrams::take(const Endpoint& from) {
+  const auto place = std::ranges::find(senders_, from, &Sender::address);
+  if (place == senders_.end()) return {};
+  std::vector<std::string> datagrams = std::move(place->datagrams);
+  senders_.erase(place);
+  return datagrams;
 }
 
 namespace {
@@ -213,10 +235,12 @@ void ByteSource::report_stranger(const Endpoint& stranger) {
 }
 
 ByteSource::Event ByteSource::wait(double seconds) {
-  if (held_back_) return give(*std::exchange(held_back_, std::nullopt));
   if (is_text_) {
     if (const Event event = next_line(); event != Event::kNothing) return event;
   }
+  if (!early_.empty()) return next_early();
+  is_early_ = false;
+  if (held_back_) return give(*std::exchange(held_back_, std::nullopt));
   if (ended_) return Event::kEnd;
   switch (address_.transport) {
     case Transport::kUdp:
@@ -229,14 +253,23 @@ ByteSource::Event ByteSource::wait(double seconds) {
 }
 
 ByteSource::Event ByteSource::next_line() {
-  return lines_.next(packet_) ? Event::kPacket : Event::kNothing;
+  if (!lines_.next(packet_)) return Event::kNothing;
+  return is_early_ ? Event::kEarlyPacket : Event::kPacket;
+}
+
+ByteSource::Event ByteSource::next_early() {
+  is_early_ = true;
+  early_bytes_ = std::move(early_.back());
+  early_.pop_back();
+  return give(early_bytes_);
 }
 
 // Takes bytes of a socket or pipe: they are a packet, or contain the first line of it.
 ByteSource::Event ByteSource::give(std::string_view bytes) {
   if (!is_text_) {
     packet_ = bytes;
-    return bytes.empty() ? Event::kNothing : Event::kPacket;
+    if (bytes.empty()) return Event::kNothing;
+    return is_early_ ? Event::kEarlyPacket : Event::kPacket;
   }
   if (address_.transport == Transport::kUdp) {
     lines_.add_datagram(bytes);
@@ -264,10 +297,13 @@ ByteSource::Event ByteSource::take_datagram(const Descriptor& from) {
         return give(*bytes);
       case SenderLock::Verdict::kNewSender:
         held_back_ = bytes;
+        early_ = strangers_.take(sender);
+        std::ranges::reverse(early_);
         lines_.clear();
         return Event::kNewSender;
       case SenderLock::Verdict::kStranger:
         ++strange_datagrams_;
+        strangers_.keep(sender, *bytes, now());
         report_stranger(sender);
         break;
     }

@@ -38,7 +38,7 @@ class SenderLock {
  public:
   enum class Verdict : unsigned char {
     kSender,     ///< From the sender.
-    kNewSender,  ///< From another machine, which becomes the sender.
+    kNewSender,  ///< From another machine or program, which becomes the sender.
     kStranger,   ///< To be ignored.
   };
 
@@ -65,6 +65,23 @@ class SenderLock {
   double latest_ = 0.0;     // Time of the sender's last datagram.
   bool is_steady_ = false;  // It has sent more than one datagram from its port.
   std::array<Port, 8> ports_;
+};
+
+/// The first datagrams of senders that are not accepted. A program that restarts sends its skeleton
+/// first, but is accepted only after its predecessor has been silent for a second.
+class EarlyDatagrams {
+ public:
+  void keep(const Endpoint& from, std::string_view bytes, double now);
+  /// Removes and returns the datagrams of a sender, in order.
+  [[nodiscard]] std::vector<std::string> take(const Endpoint& from);
+
+ private:
+  struct Sender {
+    Endpoint address;
+    double latest = 0.0;  // Seconds.
+    std::vector<std::string> datagrams;
+  };
+  std::vector<Sender> senders_;
 };
 
 /// The connections of a TCP input. One of them belongs to the sender. The others wait unread until
@@ -136,9 +153,10 @@ class ByteSource {
 
   enum class Event : unsigned char {
     kNothing,
-    kPacket,     ///< Available in packet().
-    kNewSender,  ///< Another sender takes over.
-    kEnd,        ///< The input has ended.
+    kPacket,       ///< Available in packet().
+    kNewSender,    ///< Another sender takes over.
+    kEarlyPacket,  ///< One of its packets from before, in packet().
+    kEnd,          ///< The input has ended.
   };
   /// Waits at most the given time.
   [[nodiscard]] Event wait(double seconds);
@@ -161,6 +179,7 @@ class ByteSource {
   Event take_piece(const Descriptor& from, bool& ended);
   Event give(std::string_view bytes);
   Event next_line();
+  Event next_early();
   [[nodiscard]] double now() const;
   void report_stranger(const Endpoint& stranger);
 
@@ -179,6 +198,10 @@ class ByteSource {
   LineCutter lines_;
   std::string_view packet_;
   std::optional<std::string_view> held_back_;  // First datagram of a new sender.
+  EarlyDatagrams strangers_;
+  std::vector<std::string> early_;  // Of the new sender, in reverse order.
+  std::string early_bytes_;
+  bool is_early_ = false;  // The packet, or the lines, are of early_bytes_.
   bool ended_ = false;
   std::int64_t strange_datagrams_ = 0;
   bool is_stranger_reported_ = false;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "live/stream/byte_output.h"
+#include "retarget/file.h"
 #include "retarget/motion_io.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr std::string_view kByteText = "udp:, tcp:, files, -";
 
 // Checks that the format supports the transport; ZeroMQ and Redis have one format each.
-Result<void> check_format(const StreamAddress& to) {
+Result<void> check_output_format(const StreamAddress& to) {
   const std::string_view only = to.transport == Transport::kZmq     ? "sonic"
                                 : to.transport == Transport::kRedis ? "twist2"
                                                                     : "";
@@ -65,17 +66,43 @@ std::span<const OutputFormat> output_formats() {
   return kFormats;
 }
 
+Result<void> check_frame_output(const StreamAddress& to) {
+  RETARGET_TRY(check_output_format(to));
+  switch (to.transport) {
+    case Transport::kStdin:
+      return usage_failure("cannot send to standard input");
+    case Transport::kZmq:
+    case Transport::kRedis:
+      return {};
+    case Transport::kUdp:
+      RETARGET_TRY(check_extras(to, std::array<std::string, 1>{"interface"}));
+      break;
+    default:
+      RETARGET_TRY(check_extras(to, {}));
+  }
+  if (to.transport == Transport::kFile) return check_output_folder(to.file);
+  if (to.transport == Transport::kStdout || to.port != 0) return {};
+  return usage_failure(to.text() + " has no destination port");
+}
+
 Result<std::unique_ptr<FrameOutput>> open_frame_output(const StreamAddress& to,
                                                        const FrameOutputContext& context) {
-  RETARGET_TRY(check_format(to));
+  RETARGET_TRY(check_frame_output(to));
   if (to.transport == Transport::kZmq) return open_zmq_output(to, context);
   if (to.transport == Transport::kRedis) return open_redis_output(to, context);
   return open_byte_output(to, context);
 }
 
-Result<void> Outputs::add(const StreamAddress& to, const FrameOutputContext& context) {
-  RETARGET_TRY_ASSIGN(auto output, open_frame_output(to, context));
-  all_.push_back(std::move(output));
+Result<void> Outputs::open(std::span<const StreamAddress> places,
+                           const FrameOutputContext& context) {
+  const std::size_t first = all_.size();
+  all_.resize(first + places.size());
+  for (const bool files : {false, true}) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if ((places[i].transport == Transport::kFile) != files) continue;
+      RETARGET_TRY_ASSIGN(all_[first + i], open_frame_output(places[i], context));
+    }
+  }
   return {};
 }
 

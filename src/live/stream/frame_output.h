@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,16 +57,23 @@ struct FrameOutputContext {
 [[nodiscard]] Failure lacks_library(const StreamAddress& to, std::string_view library,
                                     std::string_view package);
 
-/// Opens an output. Errors: unavailable address; unknown format, or one that does not support the
-/// address or this robot (kUsage).
+/// Checks the address of an output before anything is opened. Errors (kUsage): unknown format, or one
+/// that does not support the address; parameters after `?` that it does not support; a missing
+/// folder.
+[[nodiscard]] Result<void> check_frame_output(const StreamAddress& to);
+
+/// Opens an output. Errors: those of check_frame_output; unavailable address; a format that does not
+/// support this robot (kUsage).
 [[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_frame_output(
     const StreamAddress& to, const FrameOutputContext& context);
 
 /// All outputs of a live run. No output delays the others. Used by one thread.
 class Outputs {
  public:
-  /// Errors: those of open_frame_output.
-  [[nodiscard]] Result<void> add(const StreamAddress& to, const FrameOutputContext& context);
+  /// Opens outputs: files last, because opening a file discards its content. Errors: those of
+  /// open_frame_output.
+  [[nodiscard]] Result<void> open(std::span<const StreamAddress> places,
+                                  const FrameOutputContext& context);
   void take(const RobotFrame& frame);
   /// Number of frames taken.
   [[nodiscard]] std::int64_t frames() const { return frames_; }

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "live/stream/file_axes.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/stream_formats.h"
@@ -71,6 +73,22 @@ Result<std::optional<double>> length_from(const PacketJson& header, const char* 
     return std::optional<double>(value.get<double>());
   }
   return bad_line(fmt::format("\"{}\" must be a number of metres", name));
+}
+
+// Nothing: the sender does not know.
+struct StatedUnits {
+  std::optional<Eigen::Vector3d> up;
+  std::optional<double> metres_per_unit;
+};
+
+Result<StatedUnits> stated_units(const PacketJson& header) {
+  StatedUnits stated;
+  RETARGET_TRY_ASSIGN(stated.up, up_from(header));
+  RETARGET_TRY_ASSIGN(stated.metres_per_unit, length_from(header, "unit"));
+  // Lengths are in metres and z is up unless the sender states otherwise.
+  if (!header.contains("up")) stated.up = Eigen::Vector3d::UnitZ();
+  if (!header.contains("unit")) stated.metres_per_unit = 1.0;
+  return stated;
 }
 
 // Reads a skeleton from the first line: joints, parents before children, each with its world pose
@@ -138,12 +156,10 @@ Result<void> HeaderReader::read(const PacketJson& header) {
 Result<void> HeaderReader::give(const PacketJson& header, bool waits_for_frame, StreamSink& sink) {
   ClipOrigin origin;
   origin.name = "stream";
-  RETARGET_TRY_ASSIGN(origin.up, up_from(header));
-  RETARGET_TRY_ASSIGN(origin.metres_per_unit, length_from(header, "unit"));
+  RETARGET_TRY_ASSIGN(const StatedUnits stated, stated_units(header));
+  origin.up = stated.up;
+  origin.metres_per_unit = stated.metres_per_unit;
   RETARGET_TRY_ASSIGN(origin.body_height, length_from(header, "height"));
-  // Lengths are in metres and z is up unless the sender states otherwise or that it does not know.
-  if (!header.contains("up")) origin.up = Eigen::Vector3d::UnitZ();
-  if (!header.contains("unit")) origin.metres_per_unit = 1.0;
   const PacketJson pose = header.value("pose", PacketJson("t-pose"));
   if (pose != "t-pose" && pose != "any") {
     return bad_line("\"pose\" must be \"t-pose\" or \"any\"");
@@ -172,12 +188,17 @@ class LineDecoder final : public Decoder {
  public:
   Result<void> take(std::string_view bytes, StreamSink& sink) override;
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override;
+  void know_up(const Eigen::Vector3d& up) override { known_up_ = up; }
 
  private:
+  Result<void> use_known(const PacketJson& header, const std::vector<Joint>& joints);
   Result<void> take_frame(const PacketJson& json, StreamSink& sink);
   void set_joints(const std::vector<Joint>& joints);
 
   std::shared_ptr<const Skeleton> known_;  // From the user's file; null: none.
+  std::optional<Eigen::Vector3d> known_up_;
+  bool uses_known_ = false;  // The frames are of that skeleton.
+  FileAxes known_axes_;      // Of that file, if the stream describes the same skeleton.
   std::vector<int> parents_;
   std::map<std::string, std::size_t, std::less<>> index_;
   std::vector<int> slots_;  // Translation slots; -1: none.
@@ -205,6 +226,7 @@ void LineDecoder::set_joints(const std::vector<Joint>& joints) {
 void LineDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
   known_ = skeleton;
   set_joints(skeleton->joints());
+  uses_known_ = true;
 }
 
 Result<void> LineDecoder::take(std::string_view bytes, StreamSink& sink) {
@@ -214,12 +236,29 @@ Result<void> LineDecoder::take(std::string_view bytes, StreamSink& sink) {
     HeaderReader header;
     RETARGET_TRY(header.read(json["skeleton"]));
     // The user's file has more information about the same skeleton.
-    if (known_ && same_tree(known_->joints(), header.joints())) return {};
+    if (known_ && same_tree(known_->joints(), header.joints())) {
+      return use_known(json["skeleton"], header.joints());
+    }
     RETARGET_TRY(header.give(json["skeleton"], index_.empty(), sink));
     set_joints(header.joints());
+    uses_known_ = false;
     return {};
   }
   return take_frame(json, sink);
+}
+
+Result<void> LineDecoder::use_known(const PacketJson& header, const std::vector<Joint>& joints) {
+  RETARGET_TRY_ASSIGN(const StatedUnits stated, stated_units(header));
+  std::vector<Eigen::Vector3d> of_stream, of_file;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].parent < 0) continue;
+    of_stream.push_back(joints[i].offset);
+    of_file.push_back(known_->joint(static_cast<int>(i)).offset);
+  }
+  set_joints(known_->joints());
+  uses_known_ = true;
+  known_axes_ = FileAxes({of_stream, stated.up}, stated.metres_per_unit, {of_file, known_up_});
+  return {};
 }
 
 Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
@@ -249,11 +288,13 @@ Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
   for (const auto& [name, i] : index_) {
     if (seen_[i] == 0) return bad_line(fmt::format("joint \"{}\" is missing", name));
   }
+  const FileAxes axes = uses_known_ ? known_axes_ : FileAxes();
   for (std::size_t i = 0; i < parents_.size(); ++i) {
     const Pose local = parent_from_joint(world_from_joint_, parents_[i], world_from_joint_[i]);
-    frame_.rotations[i] = local.rotation.normalized();
+    const Pose in_file = parents_[i] < 0 ? axes.root(local) : axes.child(local);
+    frame_.rotations[i] = in_file.rotation.normalized();
     if (slots_[i] >= 0) {
-      frame_.translations[static_cast<std::size_t>(slots_[i])] = local.translation;
+      frame_.translations[static_cast<std::size_t>(slots_[i])] = in_file.translation;
     }
   }
   sink.take_frame(frame_);

@@ -6,25 +6,13 @@
 #include <cstddef>
 #include <utility>
 
+#include "live/session/playout.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {
 namespace {
-
-bool same_skeleton(const Skeleton& a, const Skeleton& b) {
-  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
-    return one.name == other.name && one.parent == other.parent && one.offset == other.offset &&
-           one.channels == other.channels;
-  });
-}
-
-// Whether both skeletons have the same joints and channels, regardless of bone lengths.
-bool same_joints(const Skeleton& a, const Skeleton& b) {
-  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
-    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
-  });
-}
 
 // Frames due before a packet arrives leave before it; frames due at its time include it.
 constexpr double kJustBefore = 2e-6;  // seconds
@@ -53,8 +41,19 @@ Result<void> LivePipeline::know_skeleton(Clip clip) {
   decoder_->know_skeleton(known_);
   ++packets_.skeletons;
   received_ = clip;
-  if (calibrates_) return {};
-  return begin_session({std::move(clip), RestPose::kAuto, false});
+  if (calibrates_) {
+    // The performer's pose determines the body; only the file states its axes.
+    know_up(clip.origin().up);
+    return {};
+  }
+  RETARGET_TRY(begin_session({std::move(clip), RestPose::kAuto, false}));
+  know_up(up_);
+  return {};
+}
+
+// The user's own choice of an axis holds for the stream as well as for the file.
+void LivePipeline::know_up(const std::optional<Eigen::Vector3d>& up) {
+  if (up && !options_.run.human.up) decoder_->know_up(*up);
 }
 
 Result<void> LivePipeline::packet(std::string_view bytes, double now) {
@@ -92,6 +91,10 @@ Result<void> LivePipeline::use_decoded(double now) {
         malformed_reported_, "stream",
         "skipping malformed packet (similar ones are not reported): " + printable(*decode_error_));
   }
+  return use_items();
+}
+
+Result<void> LivePipeline::use_items() {
   for (std::size_t i = 0; i < batch_.size() && !error_; ++i) {
     PacketBatch::Item& item = batch_[i];
     if (item.skeleton) {
@@ -129,10 +132,20 @@ void LivePipeline::skip(double due, double now) {
   if (session_) session_->skip_to(now);
 }
 
-void LivePipeline::restart_sender(double now) {
+void LivePipeline::restart_sender(double now, bool may_lack_skeleton) {
   tick(now);
   decoder_->restart();
   skeleton_packets_.forget_waiting();
+  // The user's file is the skeleton of any sender.
+  lacks_skeleton_ = may_lack_skeleton && !known_;
+}
+
+Result<void> LivePipeline::take_early(std::string_view bytes, double now) {
+  tick(now);
+  wall_ = now;
+  decode(bytes);
+  batch_.drop_frames();
+  return use_items();
 }
 
 void LivePipeline::recalibrate(double now) {
@@ -156,13 +169,17 @@ LiveStatistics LivePipeline::statistics() const {
 
 void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
   // Senders repeat the skeleton.
-  if (session_ && received_ && same_skeleton(received_->skeleton(), clip.skeleton())) return;
+  if (session_ && received_ && is_same(*received_, clip)) {
+    lacks_skeleton_ = false;
+    return;
+  }
   ++packets_.skeletons;
-  if (refused_ && same_skeleton(refused_->skeleton(), clip.skeleton())) {
+  if (refused_ && is_same(*refused_, clip)) {
     ++packets_.refused_skeletons;
     restores_ = used_.has_value();
     return;
   }
+  lacks_skeleton_ = false;
   received_ = clip;
   calibration_begin_.reset();
   poseless_.reset();
@@ -196,6 +213,7 @@ Result<void> LivePipeline::begin_session(const BodyTask& task) {
   RETARGET_TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
   for (const auto& [label, text] : made.plan.human.lines()) tell_(label, text);
   poser_.emplace(made.plan);
+  up_ = made.plan.human.calibration.up.direction();
   used_ = received_;
   refused_.reset();
   skeleton_packets_.accept();
@@ -294,11 +312,35 @@ bool LivePipeline::is_of_received_body(const StreamFrame& frame) const {
          frame.rotations.size() == static_cast<std::size_t>(received_->skeleton().joint_count());
 }
 
+// Whether frames may belong to another body than the one whose skeleton was received last.
+bool LivePipeline::is_foreign() {
+  if (!lacks_skeleton_) return false;
+  ++packets_.foreign;
+  warn_once(
+      foreign_reported_, "stream",
+      "ignoring the frames of a new sender, whose skeleton is missing: restart the sender, or "
+      "name its skeleton with " RETARGET_OPTION("skeleton"));
+  return true;
+}
+
+// The time of a frame on the sender's clock; NaN: unknown. If frames need not arrive in real time, the
+// rate that the stream declares gives their times.
+double LivePipeline::time_of(const StreamFrame& frame) const {
+  const bool is_declared =
+      options_.pace == LivePace::kInput && options_.live.clock == LiveClock::kSender;
+  return is_declared && !std::isfinite(frame.time) ? frame.declared : frame.time;
+}
+
 // Advances the time by the timestamps; if they jump, by one robot frame.
 void LivePipeline::pass_time(double stamp) {
   constexpr double kMostStep = 10.0, kReordered = 0.5;  // seconds
   if (!std::isfinite(stamp)) {
     now_ = std::max(now_, wall_);
+    if (!untimed_.add(wall_)) return;
+    warn_once(pace_reported_, "stream",
+              "the frames have no timestamps and arrive faster than in real time, so the robot's "
+              "motion is "
+              "too short: state their rate (stdin?format=bvh&fps=30) or their times");
     return;
   }
   if (stamp_) {
@@ -310,21 +352,25 @@ void LivePipeline::pass_time(double stamp) {
 }
 
 void LivePipeline::take_frame(const StreamFrame& frame) {
+  if (is_foreign()) return;
   if (!is_of_received_body(frame)) {
     if (received_) ++packets_.malformed;
     return;
   }
+  const double time = time_of(frame);
   if (options_.pace == LivePace::kInput) {
-    pass_time(frame.time);
-    pull(now_ - kJustBefore);
+    const double before = now_;
+    pass_time(time);
+    // Robot frames in between wait for this frame, as far as the human can be interpolated.
+    if (now_ - before > kMaxBridgedGap) pull(now_ - kJustBefore);
   }
   // A running stream continues while it waits for its new pose.
   if (collects(frame) && !session_) return;
   take_first_pose(frame);
   if (!session_ || !poser_) return;
-  // A body with other joints has not been recognised yet.
-  if (!same_joints(received_->skeleton(), used_->skeleton())) return;
-  human_.time = frame.time;
+  // Another body has not been recognised yet.
+  if (!is_like(*received_, *used_)) return;
+  human_.time = time;
   poser_->pose(frame.rotations, frame.translations, human_.world_from_bone);
   session_->push(human_, now_);
   if (options_.pace == LivePace::kInput) pull(now_);

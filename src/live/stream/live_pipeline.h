@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
+#include "live/stream/untimed_frames.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/live.h"
@@ -53,7 +55,11 @@ class LivePipeline final {
   /// (LiveSession::skip_to).
   void skip(double due, double now);
   /// Declares a new sender or connection.
-  void restart_sender(double now);
+  /// @param may_lack_skeleton  the sender may have sent its skeleton before it was accepted. Its frames
+  ///     are dropped until its skeleton arrives, because they may belong to another body.
+  void restart_sender(double now, bool may_lack_skeleton = false);
+  /// Uses the skeletons of a packet that a new sender sent before it was accepted. Its frames are old.
+  [[nodiscard]] Result<void> take_early(std::string_view bytes, double now);
   /// Recalibrates the body from its pose after calibrate_after_s seconds.
   void recalibrate(double now);
   /// Whether a body has been recognised in the background.
@@ -73,6 +79,8 @@ class LivePipeline final {
   [[nodiscard]] bool has_begun() const { return session_.has_value(); }
 
  private:
+  void know_up(const std::optional<Eigen::Vector3d>& up);
+  Result<void> use_items();
   void take_skeleton(const Clip& clip, bool has_rest);
   void take_frame(const StreamFrame& frame);
   [[nodiscard]] Result<void> begin_session(const BodyTask& task);
@@ -83,6 +91,8 @@ class LivePipeline final {
   void take_first_pose(const StreamFrame& frame);
   [[nodiscard]] bool collects(const StreamFrame& frame);
   [[nodiscard]] bool is_of_received_body(const StreamFrame& frame) const;
+  [[nodiscard]] bool is_foreign();
+  [[nodiscard]] double time_of(const StreamFrame& frame) const;
   void pass_time(double stamp);
   void pull(double until);
   void warn_once(bool& warned, std::string_view label, std::string_view text) const;
@@ -98,6 +108,7 @@ class LivePipeline final {
   std::optional<std::string> decode_error_;
   SkeletonPackets skeleton_packets_;
   bool restores_ = false;  // Restore the skeleton in use in the decoder before the next packet.
+  bool lacks_skeleton_ = false;  // The sender's skeleton is missing.
 
   std::optional<Clip> received_;      // Skeleton of the received frames.
   std::optional<Clip> used_;          // Skeleton of the body in use.
@@ -109,17 +120,19 @@ class LivePipeline final {
   std::shared_ptr<const Skeleton> known_;  // Skeleton of a file, while in use.
   std::optional<LiveSession> session_;
   std::optional<LivePoser> poser_;
+  Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  // Of the first body's skeleton.
   bool calibrates_ = false;
   std::optional<double> calibration_begin_;
   double now_ = 0.0;  // Session time.
   double wall_ = 0.0;
   std::optional<double> stamp_;  // Last timestamp, if timestamps are the clock.
+  UntimedFrames untimed_;
   std::optional<Error> error_;
   PipelineStatistics packets_;
   HumanFrame human_;
   bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
        jump_reported_ = false;
-  bool refused_reported_ = false;
+  bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false;
 };
 
 }  // namespace retarget

@@ -52,6 +52,7 @@ class MvnDecoder final : public Decoder {
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override {
     skeleton_.know(skeleton);
   }
+  void know_up(const Eigen::Vector3d& up) override { skeleton_.know_up(up); }
   void restart() override;
 
  private:

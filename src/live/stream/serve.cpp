@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
+#include <span>
 #include <stop_token>
 #include <system_error>
 #include <thread>
@@ -26,7 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRecordedInput = "input.stream";
 constexpr const char* kRecordedOutput = "output.jsonl";
 
 // Microseconds since construction, on a monotonic clock.
@@ -85,6 +85,7 @@ class Server {
             control_.tell,       waits,
             control_.is_stopped, std::move(held)};
   }
+  Result<void> open_source();
   Result<void> open_outputs();
   Result<void> open_record();
   Result<void> make_pipeline();
@@ -95,7 +96,7 @@ class Server {
   Result<void> advance();
   void emit(const std::stop_token& stop);
   Result<void> listen();
-  Result<void> listen_to(ByteSource& source);
+  Result<void> receive();
   Result<void> replay();
   [[nodiscard]] bool is_over(std::int64_t now, std::int64_t latest) const;
 
@@ -104,6 +105,7 @@ class Server {
   const ServeControl& control_;
   StreamAddress from_;
   LivePace pace_ = LivePace::kClock;
+  std::optional<ByteSource> source_;  // Empty in a replay.
   Outputs outputs_;
   std::optional<StreamRecorder> recorder_;
   std::optional<StatsWriter> stats_;
@@ -119,30 +121,39 @@ class Server {
   std::optional<Result<void>> failed_;  // Error of the second thread.
 };
 
+Result<void> Server::open_source() {
+  if (!options_.replay.empty()) return {};
+  RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  RETARGET_TRY_ASSIGN(
+      source_,
+      ByteSource::open(from_, *format, [this](std::string_view label, std::string_view text) {
+        const std::lock_guard lock(mutex_);
+        control_.tell(label, text);
+      }));
+  return {};
+}
+
 Result<void> Server::open_outputs() {
   std::vector<std::string> places = options_.outputs;
   if (places.empty()) places.emplace_back("stdout");
+  std::vector<StreamAddress> all;
   for (const std::string& place : places) {
     RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(place));
-    RETARGET_TRY(outputs_.add(to, output_context()));
+    all.push_back(to);
   }
-  return {};
+  return outputs_.open(all, output_context());
 }
 
 Result<void> Server::open_record() {
   if (options_.record.empty()) return {};
   std::error_code failed;
   fs::create_directories(options_.record, failed);
-  const fs::path folder(options_.record);
-  if (fs::exists(folder / kRecordedInput, failed)) {
-    return usage_failure(options_.record + " already contains a recording", "give another folder");
-  }
   RETARGET_TRY_ASSIGN(recorder_,
-                      StreamRecorder::create((folder / kRecordedInput).string(), output_context()));
+                      StreamRecorder::create(recorded_input_in(options_.record), output_context()));
   StreamAddress to;
   to.transport = Transport::kFile;
-  to.file = (folder / kRecordedOutput).string();
-  return outputs_.add(to, output_context());
+  to.file = (fs::path(options_.record) / kRecordedOutput).string();
+  return outputs_.open(std::span(&to, 1), output_context());
 }
 
 Result<void> Server::make_pipeline() {
@@ -175,7 +186,11 @@ Result<void> Server::take(StreamEvent event, std::int64_t time, std::string_view
       RETARGET_TRY(pipeline_->use_decoded(now));
       break;
     case StreamEvent::kNewSender:
-      pipeline_->restart_sender(now);
+      // A connection loses no bytes, but earlier datagrams of the sender were dropped.
+      pipeline_->restart_sender(now, from_.transport == Transport::kUdp);
+      break;
+    case StreamEvent::kEarly:
+      RETARGET_TRY(pipeline_->take_early(bytes, now));
       break;
     case StreamEvent::kRecalibrate:
       pipeline_->recalibrate(now);
@@ -260,29 +275,23 @@ bool Server::is_over(std::int64_t now, std::int64_t latest) const {
 }
 
 Result<void> Server::listen() {
-  RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
-  RETARGET_TRY_ASSIGN(
-      ByteSource source,
-      ByteSource::open(from_, *format, [this](std::string_view label, std::string_view text) {
-        const std::lock_guard lock(mutex_);
-        control_.tell(label, text);
-      }));
   if (from_.transport != Transport::kStdin) {
     StreamAddress had = from_;
-    had.port = source.port();
+    had.port = source_->port();
     control_.tell("input", "listening at " + had.text());
   }
-  if (pace_ != LivePace::kClock) return listen_to(source);
+  if (pace_ != LivePace::kClock) return receive();
   std::jthread emitter([this](const std::stop_token& stop) { emit(stop); });
-  Result<void> listened = listen_to(source);
+  Result<void> listened = receive();
   emitter.request_stop();
   earlier_.notify_one();
   emitter.join();
   return listened;
 }
 
-Result<void> Server::listen_to(ByteSource& source) {
+Result<void> Server::receive() {
   constexpr double kWait = 0.01;  // Seconds between checks whether the run is over.
+  ByteSource& source = *source_;
   Asker asker;
   std::int64_t heard = watch_.now(), now = heard;
   while (!is_over(now, heard)) {
@@ -300,8 +309,12 @@ Result<void> Server::listen_to(ByteSource& source) {
     if (control_.is_recalibrated && control_.is_recalibrated()) {
       RETARGET_TRY(take_now(StreamEvent::kRecalibrate, now));
     }
-    if (event == ByteSource::Event::kNewSender)
+    if (event == ByteSource::Event::kNewSender) {
       RETARGET_TRY(take_now(StreamEvent::kNewSender, now));
+    }
+    if (event == ByteSource::Event::kEarlyPacket) {
+      RETARGET_TRY(take_now(StreamEvent::kEarly, now, source.packet()));
+    }
     if (pipeline_->body_is_ready()) RETARGET_TRY(take_now(StreamEvent::kBody, watch_.now()));
     if (stats_) {
       stats_->write_if_due(seconds_of(now), *pipeline_, source.statistics(), outputs_.statistics());
@@ -313,7 +326,7 @@ Result<void> Server::listen_to(ByteSource& source) {
 
 Result<void> Server::replay() {
   RETARGET_TRY_ASSIGN(StreamReplay recorded,
-                      StreamReplay::open((fs::path(options_.replay) / kRecordedInput).string()));
+                      StreamReplay::open(recorded_input_in(options_.replay)));
   StreamReplay::Entry entry;
   for (;;) {
     RETARGET_TRY_ASSIGN(const bool is_there, recorded.next(entry));
@@ -324,8 +337,10 @@ Result<void> Server::replay() {
 }
 
 Result<ServeSummary> Server::run() {
+  RETARGET_TRY(check_serve(options_));
   RETARGET_TRY_ASSIGN(from_, parse_address(options_.input));
   RETARGET_TRY(make_pipeline());
+  RETARGET_TRY(open_source());
   RETARGET_TRY(open_outputs());
   RETARGET_TRY(open_record());
   if (!options_.stats.empty()) {

@@ -1,8 +1,10 @@
 #include "retarget/serve_table.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "retarget/check_options.h"
 #include "retarget/file.h"
@@ -95,7 +97,7 @@ OptionTable serve_table(ServeRequest& request) {
               {.min = 0.0, .max = kMaxSeconds}),
        option("stats", serve.stats, kOutputGroup, "FILE",
               "Write statistics as JSON, one line per second; - writes standard output")});
-  return table;
+  return noting_given(std::move(table), request.given);
 }
 
 OptionTable player_table(PlayOptions& options) {
@@ -105,24 +107,60 @@ OptionTable player_table(PlayOptions& options) {
                  {.min = 0.0, .max = 1000.0})};
 }
 
+namespace {
+
+bool is_given(const ServeRequest& request, std::string_view name) {
+  return std::ranges::find(request.given, name) != request.given.end();
+}
+
+// Options that a replay does not use, marked.
+std::vector<std::string> options_of_no_replay(ServeRequest request) {
+  ServeRequest usual;
+  const OptionTable rows = serve_table(request), usual_rows = serve_table(usual);
+  std::vector<std::string> unused;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string& name = rows[i].name;
+    if (name == "replay" || name == "output") continue;
+    const bool is_changed = to_text(rows[i].get()) != to_text(usual_rows[i].get());
+    if (is_changed || is_given(request, name)) unused.push_back(marked_option(name));
+  }
+  return unused;
+}
+
+Result<void> restore_recorded(ServeRequest& request) {
+  const std::string& folder = request.serve.replay;
+  const std::vector<std::string> unused = options_of_no_replay(request);
+  const std::string file = (fs::path(folder) / kRecordedOptions).string();
+  RETARGET_TRY(load_options(file, recorded_serve_table(request), "the options of a live run"));
+  if (!request.skeleton.empty()) request.skeleton = skeleton_in(folder, request.skeleton);
+  if (unused.empty()) return {};
+  return usage_failure(RETARGET_OPTION("replay") " uses the input and the options of the recording",
+                       "omit " + list_names(unused));
+}
+
+Result<void> check_use(const ServeRequest& request) {
+  const LivePipelineOptions& pipeline = request.serve.pipeline;
+  if (is_given(request, "after") && pipeline.calibrate == LiveCalibration::kAuto) {
+    return usage_failure(RETARGET_OPTION("after") " requires " RETARGET_OPTION("calibrate"),
+                         "add " RETARGET_OPTION("calibrate") " tpose or npose");
+  }
+  return check_live_use(pipeline.live, pipeline.run, request.given);
+}
+
+}  // namespace
+
 Result<void> prepare_serve(ServeRequest& request) {
   const ServeOptions& serve = request.serve;
-  if (!serve.replay.empty()) {
-    const std::string file = (fs::path(serve.replay) / kRecordedOptions).string();
-    RETARGET_TRY(load_options(file, recorded_serve_table(request), "the options of a live run"));
-    if (!request.skeleton.empty()) {
-      request.skeleton = skeleton_in(serve.replay, request.skeleton);
-    }
+  if (!serve.record.empty() && !serve.replay.empty()) {
+    return usage_failure(
+        RETARGET_OPTION("record") " and " RETARGET_OPTION("replay") " cannot be combined");
   }
+  RETARGET_TRY(serve.replay.empty() ? check_use(request) : restore_recorded(request));
   if (request.robot.name.empty() && request.robot.model.empty()) {
     return usage_failure("a live run needs a robot: " RETARGET_OPTION(
                              "robot") " NAME or " RETARGET_OPTION("robot-xml") " FILE",
                          "for example " RETARGET_OPTION("robot") " g1 and " RETARGET_OPTION(
                              "input") " udp:1118?format=bvh");
-  }
-  if (!serve.record.empty() && !serve.replay.empty()) {
-    return usage_failure(
-        RETARGET_OPTION("record") " and " RETARGET_OPTION("replay") " cannot be combined");
   }
   return check_robot_choice(request.robot);
 }
@@ -134,6 +172,7 @@ Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request
   if (!request.skeleton.empty()) {
     RETARGET_TRY_ASSIGN(serve_options.skeleton, load_skeleton(request.skeleton));
   }
+  RETARGET_TRY(check_serve(serve_options));
   RETARGET_TRY_ASSIGN(pipeline.pace, chosen_pace(serve_options));
   if (!serve_options.record.empty()) RETARGET_TRY(record_options(request));
   if (request.plain) {

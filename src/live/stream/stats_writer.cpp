@@ -99,6 +99,7 @@ std::string stats_line(double now, const LivePipeline& pipeline, const Latency& 
         {"late", live.late},
         {"skipped", live.skipped},
         {"crowded", packets.crowded},
+        {"foreign", packets.foreign},
         {"overlong", source.dropped_lines},
         {"strangers", source.strangers}}},
       {"sender",

@@ -22,6 +22,15 @@ std::vector<std::string> transport_extras(const StreamAddress& from, const Strea
   return names;
 }
 
+Result<void> check_packets(const StreamAddress& address, const StreamFormat& format) {
+  const bool is_socket =
+      address.transport == Transport::kUdp || address.transport == Transport::kTcp;
+  if (!format.needs_packets || is_socket) return {};
+  return usage_failure(
+      fmt::format("{} needs packets: {} would join them", format.name, address.text()),
+      fmt::format("use udp:{}?format={}, or another format for pipes", format.port, format.name));
+}
+
 Result<void> check_values(const StreamAddress& from, const StreamFormat& format) {
   for (const StreamExtra& extra : format.extras) {
     const std::string value = from.extra(std::string(extra.name));
@@ -87,8 +96,18 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
      "motion rows of a BVH file as text, one per line; ?fps=N, because they have no timestamps",
      1118, true, make_bvh_row_decoder, make_bvh_row_encoder, nullptr, false, 0, kBvhExtras,
      kBvhLines},
-    {"vmc", "VMC over OSC: bones of a VRM avatar, from Virtual Motion Capture, Waidayo, ...", 39539,
-     false, make_vmc_decoder, make_vmc_encoder, always},
+    {"vmc",
+     "VMC over OSC: bones of a VRM avatar, from Virtual Motion Capture, Waidayo, ...",
+     39539,
+     false,
+     make_vmc_decoder,
+     make_vmc_encoder,
+     always,
+     false,
+     0,
+     {},
+     64,
+     true},
     {"rokoko", "Rokoko Studio's custom streaming, JSON v3; ?actor=NAME selects an actor", 14043,
      false, make_rokoko_decoder, make_rokoko_encoder, always, false, 0, kRokokoExtras},
     {"smplx", "rotation vectors of SMPL-X, SMPL+H or SMPL, JSON, one object per line", 0, true,
@@ -133,6 +152,7 @@ Result<void> check_input(const StreamAddress& from, const StreamFormat& format) 
       from.transport != Transport::kTcp) {
     return usage_failure("an input must be udp:PORT, tcp:PORT or stdin, found " + from.text());
   }
+  RETARGET_TRY(check_packets(from, format));
   if (format.request_port == 0 && !from.extra("server").empty()) {
     return usage_failure("senders of this format have no server: remove ?server=");
   }
@@ -143,6 +163,7 @@ Result<void> check_input(const StreamAddress& from, const StreamFormat& format) 
 }
 
 Result<void> check_player_target(const StreamAddress& to, const StreamFormat& format) {
+  RETARGET_TRY(check_packets(to, format));
   std::vector<std::string> known;
   if (to.transport == Transport::kUdp) known.emplace_back("interface");
   if (to.transport == Transport::kUdp && format.request_port > 0) known.emplace_back("command");
@@ -152,6 +173,15 @@ Result<void> check_player_target(const StreamAddress& to, const StreamFormat& fo
 void PacketBatch::clear() {
   count_ = dropped_ = 0;
   has_skeleton_ = false;
+}
+
+void PacketBatch::drop_frames() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (items_[i].skeleton) std::swap(items_[kept++], items_[i]);
+  }
+  count_ = kept;
+  dropped_ = 0;
 }
 
 PacketBatch::Item& PacketBatch::add() {
@@ -176,6 +206,7 @@ void PacketBatch::take_frame(const StreamFrame& frame) {
   Item& item = add();
   item.skeleton.reset();
   item.frame.time = frame.time;
+  item.frame.declared = frame.declared;
   item.frame.rotations.assign(frame.rotations.begin(), frame.rotations.end());
   item.frame.translations.assign(frame.translations.begin(), frame.translations.end());
 }

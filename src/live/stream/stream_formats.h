@@ -23,6 +23,9 @@ inline constexpr int kMaxStreamJoints = 500;
 /// A frame of a stream, for the skeleton received last; its contents match a frame of a Clip.
 struct StreamFrame {
   double time = std::numeric_limits<double>::quiet_NaN();  ///< Sender's time, s; NaN: none.
+  /// Time at the frame rate that the stream declares, for streams that do not arrive in real time, s;
+  /// NaN: none.
+  double declared = std::numeric_limits<double>::quiet_NaN();
   std::vector<Eigen::Quaterniond> rotations;  ///< All joints, parent_from_joint, unit length.
   std::vector<Eigen::Vector3d> translations;  ///< Indexed by Skeleton::translation_slot.
 };
@@ -49,6 +52,8 @@ class Decoder {
   virtual void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
     static_cast<void>(skeleton);
   }
+  /// Sets the up axis of that file's world, once it is recognised, for streams that state their own.
+  virtual void know_up(const Eigen::Vector3d& up) { static_cast<void>(up); }
   /// Resets the state for a new sender.
   virtual void restart() {}
   /// The request to send to the sender now, for protocols with requests; called repeatedly. Empty:
@@ -96,6 +101,8 @@ struct StreamFormat {
   std::span<const StreamExtra> extras = {};  ///< Parameters after `?` that its decoder reads.
   /// Maximum number of text lines read from a datagram; further lines are dropped.
   std::size_t datagram_lines = 64;
+  /// Its packets do not state where they end, so that a pipe or a file would join them.
+  bool needs_packets = false;
 };
 
 /// All formats, the default first.
@@ -148,6 +155,8 @@ class PacketBatch final : public StreamSink {
   };
 
   void clear();
+  /// Keeps only the skeletons.
+  void drop_frames();
   void take_skeleton(Clip clip, bool has_rest) override;
   void take_frame(const StreamFrame& frame) override;
 

@@ -1,6 +1,7 @@
 #include "live/stream/stream_record.h"
 
 #include <fmt/format.h>
+#include <filesystem>
 #include <iterator>
 #include <utility>
 
@@ -14,10 +15,14 @@ constexpr FrameBytesQueue::Bounds kWaiting = {16384, std::size_t{16} << 20};
 constexpr std::size_t kMaxPacket = std::size_t{4} << 20;  // bytes
 
 bool is_event(char letter) {
-  return std::string_view("PSCETB").find(letter) != std::string_view::npos;
+  return std::string_view("PSCETBF").find(letter) != std::string_view::npos;
 }
 
 }  // namespace
+
+std::string recorded_input_in(const std::string& folder) {
+  return (std::filesystem::path(folder) / "input.stream").string();
+}
 
 StreamRecorder::StreamRecorder(std::string name, const FrameOutputContext& context, Descriptor file)
     : name_(std::move(name)),

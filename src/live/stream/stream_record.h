@@ -19,9 +19,13 @@ enum class StreamEvent : char {
   kNewSender = 'S',
   kRecalibrate = 'C',
   kEnd = 'E',
-  kSkip = 'T',  ///< The run was interrupted until this time; robot frames were dropped.
-  kBody = 'B',  ///< Switch to a body recognised in the background.
+  kSkip = 'T',   ///< The run was interrupted until this time; robot frames were dropped.
+  kBody = 'B',   ///< Switch to a body recognised in the background.
+  kEarly = 'F',  ///< A packet that a new sender sent before it was accepted.
 };
+
+/// The file of the recorded input in the folder of a recording.
+[[nodiscard]] std::string recorded_input_in(const std::string& folder);
 
 /// Writes the file of a recorded input: for each event a line `LETTER MICROSECONDS BYTES`, then the
 /// bytes and a line end. Times are arrival times since the start of the run. A thread writes the

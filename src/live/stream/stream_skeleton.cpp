@@ -16,23 +16,48 @@ std::vector<Channel> every_channel() {
   return {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation};
 }
 
-// Infers the unit of a file from lengths known in metres.
-double units_per_metre(double file_length, double metres) {
-  const auto factor = [&](double units) {
-    const double expected = units * metres;
-    return expected > file_length ? expected / file_length : file_length / expected;
-  };
-  if (!(file_length > 0.0) || !(metres > 0.0)) return 1.0;
-  return *std::ranges::min_element(kUnitsPerMetre, {}, factor);
+bool same_units(const Clip& a, const Clip& b) {
+  return a.origin().metres_per_unit == b.origin().metres_per_unit && a.origin().up == b.origin().up;
+}
+
+// Whether both skeletons have the same joints and channels, regardless of bone lengths.
+bool same_joints(const Skeleton& a, const Skeleton& b) {
+  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
+    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
+  });
+}
+
+double bone_length(const Skeleton& skeleton) {
+  double length = 0.0;
+  for (const Joint& joint : skeleton.joints())
+    length += joint.parent < 0 ? 0.0 : joint.offset.norm();
+  return length;
 }
 
 }  // namespace
+
+bool is_same(const Clip& a, const Clip& b) {
+  const auto same = [](const Joint& one, const Joint& other) {
+    return one.name == other.name && one.parent == other.parent && one.offset == other.offset &&
+           one.channels == other.channels;
+  };
+  return same_units(a, b) && a.origin().body_height == b.origin().body_height &&
+         std::ranges::equal(a.skeleton().joints(), b.skeleton().joints(), same);
+}
+
+bool is_like(const Clip& a, const Clip& b) {
+  constexpr double kMostRatio = 1.25;
+  if (a.shared_skeleton() == b.shared_skeleton()) return true;
+  if (!same_units(a, b) || !same_joints(a.skeleton(), b.skeleton())) return false;
+  const double one = bone_length(a.skeleton()), other = bone_length(b.skeleton());
+  return one <= kMostRatio * other && other <= kMostRatio * one;
+}
 
 void StreamSkeleton::set_joints(std::vector<StreamJoint> joints, const Eigen::Vector3d& up,
                                 bool is_rest_pose, StreamSink& sink, std::optional<double> height) {
   joints_ = std::move(joints);
   // The user's file has more information about the same skeleton.
-  if (use_known()) return;
+  if (use_known(up)) return;
   use_received();
   std::vector<Joint> skeleton;
   for (const StreamJoint& joint : joints_) {
@@ -52,12 +77,12 @@ void StreamSkeleton::set_joints(std::vector<StreamJoint> joints, const Eigen::Ve
 }
 
 // Requires that each joint of the file is one of the stream's with the same parent.
-bool StreamSkeleton::use_known() {
+bool StreamSkeleton::use_known(const Eigen::Vector3d& up) {
   if (!known_) return false;
   sources_.clear();
   parents_.clear();
   slots_.clear();
-  double file_length = 0.0, metres = 0.0;
+  std::vector<Eigen::Vector3d> of_file, of_stream;
   for (int i = 0; i < known_->joint_count(); ++i) {
     const Joint& joint = known_->joint(i);
     const auto found = std::ranges::find(joints_, joint.name, &StreamJoint::name);
@@ -65,14 +90,15 @@ bool StreamSkeleton::use_known() {
     if (joint.parent >= 0) {
       const StreamJoint& parent = joints_[static_cast<std::size_t>(found->parent)];
       if (parent.name != known_->joint(joint.parent).name) return false;
-      file_length += joint.offset.norm();
-      metres += found->offset.norm();
+      of_file.push_back(joint.offset);
+      of_stream.push_back(found->offset);
     }
     sources_.push_back(static_cast<std::size_t>(found - joints_.begin()));
     parents_.push_back(joint.parent);
     slots_.push_back(known_->translation_slot(i));
   }
-  units_per_metre_ = units_per_metre(file_length, metres);
+  constexpr double kMetres = 1.0;
+  axes_ = FileAxes({of_stream, up}, kMetres, {of_file, known_up_});
   frame_.translations.assign(static_cast<std::size_t>(known_->translated_count()),
                              Eigen::Vector3d::Zero());
   return true;
@@ -87,7 +113,7 @@ void StreamSkeleton::use_received() {
     parents_.push_back(joints_[i].parent);
     slots_.push_back(static_cast<int>(i));
   }
-  units_per_metre_ = 1.0;
+  axes_ = FileAxes();
   frame_.translations.assign(joints_.size(), Eigen::Vector3d::Zero());
 }
 
@@ -98,9 +124,10 @@ void StreamSkeleton::give(double time, std::span<const Pose> world_from_joint, S
     const int parent =
         parents_[i] < 0 ? -1 : static_cast<int>(sources_[static_cast<std::size_t>(parents_[i])]);
     const Pose pose = parent_from_joint(world_from_joint, parent, world_from_joint[sources_[i]]);
-    frame_.rotations[i] = pose.rotation.normalized();
+    const Pose in_file = parent < 0 ? axes_.root(pose) : axes_.child(pose);
+    frame_.rotations[i] = in_file.rotation.normalized();
     if (slots_[i] < 0) continue;
-    frame_.translations[static_cast<std::size_t>(slots_[i])] = units_per_metre_ * pose.translation;
+    frame_.translations[static_cast<std::size_t>(slots_[i])] = in_file.translation;
   }
   sink.take_frame(frame_);
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <future>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "live/stream/file_axes.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -19,6 +19,12 @@
 
 namespace retarget {
 
+/// Whether two clips have the same skeleton, unit, axes and height.
+[[nodiscard]] bool is_same(const Clip& a, const Clip& b);
+/// Whether frames of a skeleton can be read as those of another body until their own is recognised:
+/// equal joints, unit and axes, and similar lengths.
+[[nodiscard]] bool is_like(const Clip& a, const Clip& b);
+
 /// A joint of a stream whose frames are world poses, metres.
 struct StreamJoint {
   std::string name;
@@ -26,17 +32,16 @@ struct StreamJoint {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the parent, in its axes.
 };
 
-/// Possible units of files, in units per metre.
-inline constexpr std::array kUnitsPerMetre = {1.0, 10.0, 100.0, 1000.0, 1.0 / 0.0254};
-
 /// The skeleton of such a stream; converts its frames to frames of this skeleton. A file of the
-/// same skeleton named by the user takes precedence. It may have another unit, another order of
-/// joints, and fixed offsets.
+/// same skeleton named by the user takes precedence. It may have another unit, other axes, another
+/// order of joints, and fixed offsets.
 class StreamSkeleton {
  public:
   /// Sets the skeleton of the user's file.
   void know(std::shared_ptr<const Skeleton> skeleton) { known_ = std::move(skeleton); }
   [[nodiscard]] const Skeleton* known() const { return known_.get(); }
+  /// Sets the up axis of its world.
+  void know_up(const Eigen::Vector3d& up) { known_up_ = up; }
 
   /// Sets the joints of the following frames.
   /// @param up            of the stream's world.
@@ -52,17 +57,18 @@ class StreamSkeleton {
   void give(double time, std::span<const Pose> world_from_joint, StreamSink& sink);
 
  private:
-  [[nodiscard]] bool use_known();
+  [[nodiscard]] bool use_known(const Eigen::Vector3d& up);
   void use_received();
 
   std::shared_ptr<const Skeleton> known_;
+  std::optional<Eigen::Vector3d> known_up_;
   std::vector<StreamJoint> joints_;
 
   // For each joint of the output frames: its index among the stream's joints, its parent among the
   // output joints, and its translation slot; -1: none.
   std::vector<std::size_t> sources_;
   std::vector<int> parents_, slots_;
-  double units_per_metre_ = 1.0;
+  FileAxes axes_;  // Of the user's file; otherwise it changes nothing.
   StreamFrame frame_;
 };
 

@@ -65,6 +65,14 @@ std::vector<int> joint_chain(const Robot& robot, int first) {
   }
 }
 
+std::optional<int> first_slide(const Robot& robot, int first) {
+  const auto& links = robot.tree().links();
+  for (int link = first; link <= links[first].last_descendant; ++link) {
+    if (links[link].slides) return links[link].joint;
+  }
+  return std::nullopt;
+}
+
 namespace {
 
 // Returns the farthest extent of the branch that begins with a joint.
@@ -223,6 +231,10 @@ std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed)
 namespace {
 
 constexpr std::size_t kLimb = 3;  // Joints of a limb at least.
+// Distance of a limb from the middle, as a fraction of the distance between the limbs of a pair.
+constexpr double kLeastAside = 0.1;
+constexpr const char* kCompleteSides =
+    "add it to the model, or remove the joints that only one side has";
 
 class CounterpartSearch {
  public:
@@ -231,7 +243,7 @@ class CounterpartSearch {
       : robot_(robot), tree_(robot.tree()), posed_(posed), pairs_(pairs) {}
 
   // Looks at the branches of a trunk link, then beyond those that carry pairs.
-  [[nodiscard]] std::optional<std::string> below(int trunk) const;
+  [[nodiscard]] std::optional<OneSided> below(int trunk) const;
 
  private:
   [[nodiscard]] bool is_paired(int link) const {
@@ -245,8 +257,11 @@ class CounterpartSearch {
   [[nodiscard]] std::string name_of(int joint) const {
     return "\"" + robot_.joints()[joint].name + "\"";
   }
-  [[nodiscard]] std::optional<std::string> differing(int first, int second) const;
-  [[nodiscard]] std::optional<std::string> alone(int link) const;
+  [[nodiscard]] bool may_be_limb(int link) const;
+  [[nodiscard]] double aside(int link) const;
+  [[nodiscard]] std::optional<OneSided> differing(int first, int second) const;
+  [[nodiscard]] std::optional<OneSided> posed_differently(int first, int second) const;
+  [[nodiscard]] std::optional<OneSided> alone(int link) const;
 
   const Robot& robot_;
   const KinematicTree& tree_;
@@ -255,7 +270,7 @@ class CounterpartSearch {
 };
 
 // Two branches whose joints mirror each other until one of them is missing.
-std::optional<std::string> CounterpartSearch::differing(int first, int second) const {
+std::optional<OneSided> CounterpartSearch::differing(int first, int second) const {
   constexpr double kApart = 0.15;  // Fraction of the limb's extent.
   constexpr double kAlike = 0.9;   // Cosine of the angle between two axes.
   std::vector<int> longer = joint_chain(robot_, first), shorter = joint_chain(robot_, second);
@@ -285,27 +300,49 @@ std::optional<std::string> CounterpartSearch::differing(int first, int second) c
     }
   }
   if (next < shorter.size() || missing.size() + kLimb > longer.size()) return std::nullopt;
-  return fmt::format("the limbs starting at {} and {} have {} and {} joints: {} has no counterpart",
-                     name_of(longer[0]), name_of(shorter[0]), longer.size(), shorter.size(),
-                     name_of(missing.front()));
+  return OneSided{
+      fmt::format("the limbs starting at {} and {} have {} and {} joints: {} has no counterpart",
+                  name_of(longer[0]), name_of(shorter[0]), longer.size(), shorter.size(),
+                  name_of(missing.front())),
+      kCompleteSides};
 }
 
-// A branch beside the trunk.
-std::optional<std::string> CounterpartSearch::alone(int link) const {
-  constexpr double kBeside = 0.1;  // Fraction of the distance between the limbs of a pair.
-  const std::vector<int> chain = joint_chain(robot_, link);
-  if (pairs_.empty() || chain.size() < kLimb || carries_pair(link)) return std::nullopt;
+bool CounterpartSearch::may_be_limb(int link) const {
+  return joint_chain(robot_, link).size() >= kLimb && !carries_pair(link);
+}
+
+// Returns the position of a branch across the trunk, relative to the distance between the limbs of a
+// pair; 0 is the middle.
+double CounterpartSearch::aside(int link) const {
+  if (pairs_.empty()) return 0.0;
   const BranchPair& pair = pairs_.front();
   const auto place = [&](int first) { return posed_.anchor(tree_.links()[first].joint); };
   const Eigen::Vector3d middle = 0.5 * (place(pair.first) + place(pair.second));
   const double width = (place(pair.first) - place(pair.second)).dot(pair.across);
-  const double aside = (place(link) - middle).dot(pair.across);
-  if (std::abs(aside) < kBeside * std::abs(width)) return std::nullopt;
-  return fmt::format("the limb starting at {} has no counterpart on the other side",
-                     name_of(chain[0]));
+  return (place(link) - middle).dot(pair.across) / std::abs(width);
 }
 
-std::optional<std::string> CounterpartSearch::below(int trunk) const {
+// Two branches with the same joints on opposite sides that are not mirror images.
+std::optional<OneSided> CounterpartSearch::posed_differently(int first, int second) const {
+  const std::vector<int> a = joint_chain(robot_, first), b = joint_chain(robot_, second);
+  if (a.size() != b.size() || !may_be_limb(first) || !may_be_limb(second)) return std::nullopt;
+  const auto [left, right] = std::minmax({aside(first), aside(second)});
+  if (left > -kLeastAside || right < kLeastAside) return std::nullopt;
+  return OneSided{fmt::format("the limbs starting at {} and {} have equally many joints but are no "
+                              "mirror images of each other in the zero configuration",
+                              name_of(a[0]), name_of(b[0])),
+                  "give one side the mirrored zero pose of the other, and adapt its joint ranges"};
+}
+
+// A branch beside the trunk.
+std::optional<OneSided> CounterpartSearch::alone(int link) const {
+  if (!may_be_limb(link) || std::abs(aside(link)) < kLeastAside) return std::nullopt;
+  return OneSided{fmt::format("the limb starting at {} has no counterpart on the other side",
+                              name_of(tree_.links()[link].joint)),
+                  kCompleteSides};
+}
+
+std::optional<OneSided> CounterpartSearch::below(int trunk) const {
   std::vector<int> rest;
   for (const int child : tree_.children(trunk)) {
     if (!is_paired(child)) rest.push_back(child);
@@ -313,6 +350,7 @@ std::optional<std::string> CounterpartSearch::below(int trunk) const {
   for (std::size_t i = 0; i < rest.size(); ++i) {
     for (std::size_t k = i + 1; k < rest.size(); ++k) {
       if (auto found = differing(rest[i], rest[k])) return found;
+      if (auto found = posed_differently(rest[i], rest[k])) return found;
     }
   }
   for (const int child : rest) {
@@ -324,8 +362,8 @@ std::optional<std::string> CounterpartSearch::below(int trunk) const {
 
 }  // namespace
 
-std::optional<std::string> missing_counterpart(const Robot& robot, const TreeState& posed,
-                                               const std::vector<BranchPair>& pairs) {
+std::optional<OneSided> missing_counterpart(const Robot& robot, const TreeState& posed,
+                                            const std::vector<BranchPair>& pairs) {
   return CounterpartSearch(robot, posed, pairs).below(0);
 }
 

@@ -21,6 +21,9 @@ namespace retarget {
 /// gripper).
 [[nodiscard]] std::vector<int> joint_chain(const Robot& robot, int first);
 
+/// Returns the joint of the first slide in a branch, in the order of the tree.
+[[nodiscard]] std::optional<int> first_slide(const Robot& robot, int first);
+
 /// Two branches of one body that are mirror images of each other.
 struct BranchPair {
   int parent = 0;                            ///< Index of the parent link.
@@ -39,12 +42,18 @@ struct BranchPair {
 /// pairs.
 [[nodiscard]] std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed);
 
+/// A limb or joint that is on one side only, or that the other side has in another zero pose.
+struct OneSided {
+  std::string fault, hint;
+};
+
 /// Explains which limb or joint lacks a counterpart on the other side; nothing if all have one. Two
 /// branches of one body that mirror each other up to a joint are the same limb. A branch on its own
-/// is a limb if it is beside the trunk, as seen by the pairs that were found.
+/// is a limb if it is beside the trunk, as seen by the pairs that were found. Two such branches with
+/// equally many joints, one on either side, are limbs whose zero poses differ.
 /// @param pairs  of branch_pairs.
-[[nodiscard]] std::optional<std::string> missing_counterpart(const Robot& robot,
-                                                             const TreeState& posed,
-                                                             const std::vector<BranchPair>& pairs);
+[[nodiscard]] std::optional<OneSided> missing_counterpart(const Robot& robot,
+                                                          const TreeState& posed,
+                                                          const std::vector<BranchPair>& pairs);
 
 }  // namespace retarget

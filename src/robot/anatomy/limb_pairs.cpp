@@ -105,17 +105,15 @@ bool PairFinder::stands_on_wheels() const {
 
 // Explains why a branch is not a limb: names the joint at the position of its knee or elbow.
 Failure PairFinder::no_middle(int first, bool is_leg) const {
-  const KinematicTree& tree = robot_.tree();
   const std::vector<int> chain = joint_chain(robot_, first);
   const std::string limb = is_leg ? "leg" : "arm";
   const std::string middle = is_leg ? "knee" : "elbow";
   const std::string name = "the " + limb + " starting at " + name_of(robot_, body_of(first));
-  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
-    if (!tree.links()[link].slides) continue;
+  if (const auto slide = first_slide(robot_, first)) {
     return config_failure(file_,
-                          name + " has a slide, \"" +
-                              robot_.joints()[tree.links()[link].joint].name +
-                              "\", before its end: a " + middle + " must be a hinge",
+                          name + " has a slide, \"" + robot_.joints()[*slide].name +
+                              "\", before its end: " + (is_leg ? "a " : "an ") + middle +
+                              " must be a hinge",
                           "replace it with the hinge that it drives");
   }
   return config_failure(
@@ -173,8 +171,7 @@ Result<ShapedPair> PairFinder::shape(const BranchPair& pair, bool is_leg) const 
 Result<void> PairFinder::check_counterparts(const std::vector<BranchPair>& pairs) const {
   const auto missing = missing_counterpart(robot_, posed_, pairs);
   if (!missing) return {};
-  return config_failure(file_, *missing,
-                        "add it to the model, or remove the joints that only one side has");
+  return config_failure(file_, missing->fault, missing->hint);
 }
 
 Result<void> PairFinder::choose_pairs() {

@@ -116,6 +116,7 @@ class LimbFinder {
   [[nodiscard]] Eigen::Matrix3d in_body(int body, const Eigen::Matrix3d& world_from_bone) const;
   [[nodiscard]] std::optional<LimbPart> head() const;
   [[nodiscard]] Result<void> check_lean() const;
+  [[nodiscard]] Failure no_ankles() const;
   [[nodiscard]] int body_of(int link) const { return robot_.tree().links()[link].body; }
 
   const Robot& robot_;
@@ -279,6 +280,21 @@ Result<void> LimbFinder::check_lean() const {
       "turn the root body so that the robot stands upright along z");
 }
 
+// A slide ends the joints of a limb, so an ankle behind it is not found.
+Failure LimbFinder::no_ankles() const {
+  for (const int first : {legs_.pair.first, legs_.pair.second}) {
+    const auto slide = first_slide(robot_, first);
+    if (!slide) continue;
+    return config_failure(
+        file_,
+        fmt::format("the leg starting at \"{}\" has a slide, \"{}\", before its end: the joints of "
+                    "a leg up to the ankle must be hinges",
+                    robot_.bodies()[body_of(first)].name, robot_.joints()[*slide].name),
+        "remove the slide, or replace it with the hinge that it drives");
+  }
+  return no_legs_failure(file_, "the legs have no ankle joints (a stand or wheels?)");
+}
+
 Result<RobotAnatomy> LimbFinder::find() {
   TRY_ASSIGN(const LimbPairs pairs, find_limb_pairs(robot_, posed_, reference_, file_));
   legs_ = pairs.legs;
@@ -299,7 +315,7 @@ Result<RobotAnatomy> LimbFinder::find() {
     found_.arms[side] = limb_of(arms_.limbs[side], false);
   }
   if (found_.has_legs && (!found_.legs[0].end || !found_.legs[1].end)) {
-    return no_legs_failure(file_, "the legs have no ankle joints (a stand or wheels?)");
+    return no_ankles();
   }
   found_.head = head();
   note_limbs(robot_, {lean_, legs_.limbs[0].toe}, found_);

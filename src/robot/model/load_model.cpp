@@ -128,6 +128,11 @@ void add_references(const mjModel& model, std::map<std::string, JointCoupling>& 
   }
 }
 
+std::string negligible(const std::string& what, std::vector<std::string> bodies) {
+  for (std::string& body : bodies) body = "\"" + body + "\"";
+  return what + list_names(bodies, 4) + ": replaced by a negligible value";
+}
+
 // Compiles the model. Replaces masses and inertias that MuJoCo rejects and adds a warning, because
 // they affect the dynamics metrics.
 ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
@@ -138,13 +143,11 @@ ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
   if (said.find("inertia") == std::string::npos && said.find("mass") == std::string::npos) {
     return model;
   }
-  std::vector<std::string> bodies = repair_inertias(spec);
+  const std::vector<std::string> bodies = repair_inertias(spec);
   if (bodies.empty()) return model;
   errors = guard.errors().size();
   model.reset(mj_compile(spec, nullptr));
-  for (std::string& body : bodies) body = "\"" + body + "\"";
-  loaded.warnings.push_back("invalid mass or inertia of " + list_names(bodies, 4) +
-                            ": replaced by a negligible value");
+  loaded.warnings.push_back(negligible("invalid mass or inertia of ", bodies));
   return model;
 }
 
@@ -310,6 +313,9 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
+  if (const auto bodies = massless_bodies(spec.get(), *loaded.model); !bodies.empty()) {
+    loaded.warnings.push_back(negligible("no mass of the moving bodies ", bodies));
+  }
   add_references(*loaded.model, loaded.couplings);
   // MuJoCo ignores <mimic> elements.
   for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);

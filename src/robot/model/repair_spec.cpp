@@ -95,6 +95,29 @@ std::vector<std::string> repair_inertias(mjSpec* spec) {
   return repaired;
 }
 
+std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
+  const double least = spec->compiler.boundmass;
+  std::vector<char> has_mass(static_cast<std::size_t>(model.nbody));
+  for (int body = model.nbody - 1; body > 0; --body) {
+    const auto index = static_cast<std::size_t>(body);
+    if (model.body_mass[body] > least) has_mass[index] = 1;
+    // A body without joints moves with its parent.
+    if (has_mass[index] != 0 && model.body_jntnum[body] == 0) {
+      has_mass[static_cast<std::size_t>(model.body_parentid[body])] = 1;
+    }
+  }
+  std::vector<std::string> names;
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    const int body = mjs_getId(element);
+    if (body <= 0 || body >= model.nbody || model.body_jntnum[body] == 0) continue;
+    const bool stated = mjs_asBody(element)->mass > 0.0;
+    if (!stated && has_mass[static_cast<std::size_t>(body)] == 0) {
+      names.push_back(element_name(element));
+    }
+  }
+  return names;
+}
+
 mjsBody* robot_base(mjSpec* spec) {
   mjsBody* world = mjs_findBody(spec, "world");
   mjsBody* base = nullptr;

@@ -8,14 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/se3.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"
 #include "robot/model/composite.h"
 #include "solve/ik/active_set.h"
-#include "solve/ik/frame_error.h"
 #include "solve/ik/ik_solver.h"
+#include "solve/ik/task_batch.h"
 #include "solve/ik/tree_system.h"
 
 namespace retarget {
@@ -25,13 +24,15 @@ namespace {
 struct Pair {
   int body;
   int target;
+
+  bool operator==(const Pair&) const = default;
 };
 
-// A task of a pass.
-struct Task {
-  int pair;
-  double position_weight_squared;
-  double rotation_weight_squared;
+// The tasks of a pass.
+struct Pass {
+  std::vector<int> pairs;      // By task.
+  std::vector<int> on_links;   // The pairs whose body moves, without repetitions.
+  TaskBatch::Weights weights;  // By pair.
 };
 
 // Bodies of all tasks, with repetitions.
@@ -50,9 +51,9 @@ class FastSolver final : public IkSolver {
   PassResult solve_pass(int pass, std::span<const Pose> targets, std::span<double> qpos) override;
 
  private:
-  void forget_errors_of_other(std::span<const Pose> targets);
-  double measure_errors(int pass, std::span<const Pose> targets, std::span<const double> qpos);
-  void add_task(const Task& task);
+  void add_pass(const IkPass& tasks);
+  void take_targets(std::span<const Pose> targets);
+  double measure_errors(int pass, std::span<const double> qpos);
   void build_system(int pass);
   void set_bounds(std::span<const double> qpos);
   void move(std::span<double> qpos) const;
@@ -62,20 +63,17 @@ class FastSolver final : public IkSolver {
   IkOptions options_;
   KinematicTree tree_;
   std::vector<Pair> pairs_;
-  std::vector<std::vector<Task>> passes_;
+  std::vector<Pass> passes_;
   std::vector<int> idle_joints_;  // Joints that carry no task.
 
-  // A pass starts at the result of the previous pass and shares pairs with it. Therefore errors_ is
-  // a cache for this configuration and these targets.
+  // A pass starts at the result of the previous pass and shares pairs with it. Therefore the errors
+  // of all pairs are kept with the configuration and the targets to which they belong.
+  TaskBatch errors_;  // By pair.
   std::vector<double> known_qpos_;
   std::vector<Pose> known_targets_;
-  std::vector<char> known_;  // By pair.
 
   TreeState state_;
-  std::vector<FrameError> errors_;      // By pair.
-  std::vector<Eigen::Vector3d> lever_;  // By pair: vector from the root's origin to the body, world
-                                        // axes, metres.
-  std::vector<Composite> composites_;   // By link.
+  std::vector<Composite> composites_;  // By link.
   TreeSystem system_;
   ActiveSet active_set_;
   double damping_ = 0.0;
@@ -97,24 +95,21 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
       upper_(-lower_),
       dq_(tree_.dof_count()) {
   for (const IkPass& pass : problem_->passes) {
-    std::vector<Task>& tasks = passes_.emplace_back();
     for (const FrameTask& task : pass) {
-      const auto same = [&](const Pair& pair) {
-        return pair.body == task.body && pair.target == task.target;
-      };
-      const auto pair = static_cast<int>(std::ranges::find_if(pairs_, same) - pairs_.begin());
-      if (pair == static_cast<int>(pairs_.size())) pairs_.push_back({task.body, task.target});
-      tasks.push_back({pair, task.position_weight * task.position_weight,
-                       task.rotation_weight * task.rotation_weight});
+      const Pair pair{task.body, task.target};
+      if (std::ranges::find(pairs_, pair) == pairs_.end()) pairs_.push_back(pair);
     }
   }
+  std::vector<Pose> link_from_body;
+  for (const Pair& pair : pairs_) {
+    link_from_body.push_back(tree_.attachment(pair.body).link_from_body);
+  }
+  errors_ = TaskBatch(link_from_body);
+  for (const IkPass& pass : problem_->passes) add_pass(pass);
   if (problem_->robot->fixed_base()) {
     lower_.head<KinematicTree::kBaseDofs>().setZero();
     upper_.head<KinematicTree::kBaseDofs>().setZero();
   }
-  errors_.resize(pairs_.size());
-  lever_.resize(pairs_.size());
-  known_.assign(pairs_.size(), 0);
   int target_count = 0;
   for (const Pair& pair : pairs_) target_count = std::max(target_count, pair.target + 1);
   known_targets_.resize(target_count);
@@ -123,18 +118,33 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
   }
 }
 
+void FastSolver::add_pass(const IkPass& tasks) {
+  Pass& pass = passes_.emplace_back();
+  pass.weights = errors_.zero_weights();
+  for (const FrameTask& task : tasks) {
+    const auto found = std::ranges::find(pairs_, Pair{task.body, task.target});
+    const auto pair = static_cast<int>(found - pairs_.begin());
+    const bool is_new = std::ranges::find(pass.pairs, pair) == pass.pairs.end();
+    pass.pairs.push_back(pair);
+    pass.weights.position[pair] += task.position_weight * task.position_weight;
+    pass.weights.rotation[pair] += task.rotation_weight * task.rotation_weight;
+    const bool moves = tree_.attachment(task.body).link != KinematicTree::kWorld;
+    if (is_new && moves) pass.on_links.push_back(pair);
+  }
+}
+
 PassResult FastSolver::solve_pass(int pass, std::span<const Pose> targets, std::span<double> qpos) {
   PassResult result;
   // No warm start, because the result must depend only on the arguments.
   active_set_.reset();
-  forget_errors_of_other(targets);
-  result.errors[0] = measure_errors(pass, targets, qpos);
+  take_targets(targets);
+  result.errors[0] = measure_errors(pass, qpos);
   do {
     if (!step(pass, qpos)) {
       result.converged = false;
       break;
     }
-    result.errors[++result.steps] = measure_errors(pass, targets, qpos);
+    result.errors[++result.steps] = measure_errors(pass, qpos);
     if (!std::isfinite(result.errors[result.steps])) {
       result.converged = false;
       break;
@@ -144,71 +154,50 @@ PassResult FastSolver::solve_pass(int pass, std::span<const Pose> targets, std::
   return result;
 }
 
-void FastSolver::forget_errors_of_other(std::span<const Pose> targets) {
+void FastSolver::take_targets(std::span<const Pose> targets) {
   const auto same = [](const Pose& a, const Pose& b) {
     return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
   };
   const auto used = targets.first(known_targets_.size());
   if (std::ranges::equal(used, known_targets_, same)) return;
   std::ranges::copy(used, known_targets_.begin());
-  std::ranges::fill(known_, 0);
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    errors_.set_target(static_cast<int>(i), targets[pairs_[i].target]);
+  }
+  known_qpos_.front() = std::numeric_limits<double>::quiet_NaN();
 }
 
-// Computes the forward kinematics and one logarithm per task, which the next step reuses.
-// @return the norm of the stacked, unweighted errors.
-double FastSolver::measure_errors(int pass, std::span<const Pose> targets,
-                                  std::span<const double> qpos) {
+// Computes the forward kinematics and one logarithm per pair, which the next step reuses.
+// @return the norm of the stacked, unweighted errors of the pass.
+double FastSolver::measure_errors(int pass, std::span<const double> qpos) {
   if (!std::ranges::equal(qpos, known_qpos_)) {
     state_.update(qpos);
     std::ranges::copy(qpos, known_qpos_.begin());
-    std::ranges::fill(known_, 0);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const int link = tree_.attachment(pairs_[i].body).link;
+      if (link != KinematicTree::kWorld) {
+        errors_.set_link(static_cast<int>(i), state_.world_from_link[link]);
+      }
+    }
+    errors_.measure(state_.origin());
   }
   double sum = 0.0;
-  for (const Task& task : passes_[pass]) {
-    if (known_[task.pair] == 0) {
-      const Pair& pair = pairs_[task.pair];
-      const Pose world_from_body = state_.world_from_body(pair.body);
-      lever_[task.pair] = world_from_body.translation - state_.origin();
-      errors_[task.pair] = frame_error(world_from_body, targets[pair.target]);
-      known_[task.pair] = 1;
-    }
-    sum += errors_[task.pair].squared_norm();
-  }
+  for (const int pair : passes_[pass].pairs) sum += errors_.squared_error(pair);
   return std::sqrt(sum);
 }
 
-// Adds |W (J V + e)|^2 / 2 to the composite of the link that carries the body.
-void FastSolver::add_task(const Task& task) {
-  const FrameError& error = errors_[task.pair];
-  const int link = tree_.attachment(pairs_[task.pair].body).link;
-  const double wp = task.position_weight_squared;
-  const double wr = task.rotation_weight_squared;
-  damping_ += options_.lm_damping * (wp * error.linear.squaredNorm() + wr * error.angle_squared);
-  if (link == KinematicTree::kWorld) return;
-  Composite& composite = composites_[link];
-
-  const ErrorJacobian jacobian(error);
-  const Eigen::Matrix3d G = jacobian.square();
-  composite.angular += wr * G;
-  composite.torque -= wr * error.angular;
-  if (wp == 0.0) return;
-
-  // The rate of the linear part of the error is -A (v - K u), where K = skew(lever) + Q A, and v
-  // and u are the linear velocity at the root's origin and the angular velocity of the link.
-  const Eigen::Matrix3d K = skew(lever_[task.pair]) + jacobian.coupling();
-  const Eigen::Matrix3d GK = G * K;
-  const Eigen::Vector3d pull = wp * jacobian.transposed_times(error.linear);
-  composite.linear += wp * G;
-  composite.mixed -= wp * GK;
-  composite.angular += wp * (K.transpose() * GK);
-  composite.force -= pull;
-  composite.torque += K.transpose() * pull;
-}
-
+// Builds H and g from |W (J V + e)|^2 / 2 of the tasks, summed over the bodies of each link.
 void FastSolver::build_system(int pass) {
+  const Pass& tasks = passes_[pass];
   std::ranges::fill(composites_, Composite{});
+  errors_.build_forms(tasks.weights);
+  for (const int pair : tasks.on_links) {
+    errors_.add_form(pair, composites_[tree_.attachment(pairs_[pair].body).link]);
+  }
   damping_ = options_.damping;
-  for (const Task& task : passes_[pass]) add_task(task);
+  for (int pair = 0; pair < static_cast<int>(pairs_.size()); ++pair) {
+    damping_ += options_.lm_damping * errors_.weighted_error(pair, tasks.weights);
+  }
   Eigen::VectorXd& linear = system_.linear();
   assemble(state_, composites_, system_.hessian(), std::span(linear.data(), linear.size()));
   system_.add_to_diagonal(damping_);

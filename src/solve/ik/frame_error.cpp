@@ -6,17 +6,6 @@
 #include "retarget/trigonometry.h"
 
 namespace retarget {
-namespace {
-
-// Small-angle thresholds of the published method; see published_jacobian_inverse().
-constexpr double kSmallAngleSquared = 1e-10;
-constexpr double kNoRotation = 1e-10;
-// Angle (0.02 rad, squared) above which the sine and cosine may come from the quaternion. Below it,
-// the rounding error of the closed forms depends on the last bit of the sine, so that both engines
-// must compute it in the same way.
-constexpr double kPlainAngleSquared = 4e-4;
-
-}  // namespace
 
 FrameError frame_error(const Pose& world_from_body, const Pose& world_from_target) {
   FrameError error;

@@ -255,7 +255,12 @@ void Doctor::check_profile() {
   }
   if (profile.soles.size() < 2 && !profile.fixed_base)
     note("the soles are unknown (\"soles\" in robot.json)");
-  if (profile.t_pose.empty() && limbs_) {
+  // An empty pose is the zero pose, which is the T-pose of some robots.
+  constexpr double kZero = 1e-3;
+  const auto is_moved = [&](const RobotJoint& joint) {
+    return std::abs(t_pose_->qpos[static_cast<std::size_t>(joint.qpos_address)]) > kZero;
+  };
+  if (profile.t_pose.empty() && limbs_ && std::ranges::any_of(robot_.joints(), is_moved)) {
     note("the T-pose is unknown (\"t_pose\" in robot.json)");
   }
 }

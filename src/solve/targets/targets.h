@@ -141,9 +141,10 @@ class TargetBuilder {
   void build(const HumanPose& world_from_bone, std::span<Pose> world_from_target) const;
   /// Whether the rotation of a target depends on aim_trunk().
   [[nodiscard]] bool is_of_trunk(int target) const;
-  /// The robot's trunk in a frame; empty without a TrunkAim.
-  [[nodiscard]] std::optional<TrunkAim::Aimed> aim_trunk(const HumanPose& world_from_bone) const {
-    return trunk_ ? trunk_->aim(world_from_bone) : std::nullopt;
+  /// The robot's trunk in a frame, as TrunkAim::aim() finds it; empty without a TrunkAim.
+  [[nodiscard]] std::optional<TrunkAim::Aimed> aim_trunk(const HumanPose& world_from_bone,
+                                                         double min_step = TrunkAim::kExact) const {
+    return trunk_ ? trunk_->aim(world_from_bone, min_step) : std::nullopt;
   }
   /// Computes the rotation of one target, the same as build().
   /// @param trunk  result of aim_trunk(); ignored for targets that do not depend on it.

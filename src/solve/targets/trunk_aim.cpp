@@ -292,7 +292,8 @@ void TrunkAim::follow_robot() {
   }
 }
 
-std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone) const {
+std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone,
+                                             double min_step) const {
   if (!usable_) return std::nullopt;
   const TrunkLines lines = trunk_lines(world_from_bone);
   const auto frame = trunk_frame(lines);
@@ -302,14 +303,14 @@ std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone) c
                 of_robot_ ? std::optional(lines.across) : std::nullopt,
                 world_from_bone[Bone::kHips].rotation.normalized() * t_pose.conjugate());
   // Takes full steps without a line search. Stops at a step that is not finite.
-  constexpr LeastSquaresPolicy kPolicy{.max_steps = 12,
-                                       .initial_damping = 1e-9,
-                                       .shrink = 1.0,
-                                       .min_increased = 1.0,
-                                       .max_damping = 1.0,
-                                       .monotone = false,
-                                       .min_step = 1e-6};  // Radians.
-  const auto solved = damped_least_squares(search, kPolicy);
+  const LeastSquaresPolicy policy{.max_steps = 12,
+                                  .initial_damping = 1e-9,
+                                  .shrink = 1.0,
+                                  .min_increased = 1.0,
+                                  .max_damping = 1.0,
+                                  .monotone = false,
+                                  .min_step = min_step};
+  const auto solved = damped_least_squares(search, policy);
   if (solved.status == LeastSquaresStatus::kNonFinite) return unknown_aim();
   return Aimed{search.pelvis() * robot_.world_from_pelvis, search.torso() * robot_.world_from_torso,
                search.chord(), search.pelvis() * robot_.hip_line};

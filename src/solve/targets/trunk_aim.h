@@ -72,9 +72,13 @@ class TrunkAim {
     /// hip to left hip.
     Eigen::Vector3d chord, hip_line;
   };
+  /// Smallest step of the search for targets, rad. The rotations change by a tenth of it.
+  static constexpr double kExact = 1e-6;
   /// Solves a frame. Empty for a degenerate trunk, for example if all bones coincide. Contains
   /// non-finite values if a step was not finite; solvers reject such targets.
-  [[nodiscard]] std::optional<Aimed> aim(const HumanPose& world_from_bone) const;
+  /// @param min_step  the search ends at a step below this angle, rad.
+  [[nodiscard]] std::optional<Aimed> aim(const HumanPose& world_from_bone,
+                                         double min_step = kExact) const;
 
  private:
   RobotTrunk robot_;  // In the axes of the canonical T-pose.

@@ -1,0 +1,229 @@
+// Frames that arrive faster than in real time, and senders that replace others, without sockets.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "live/stream/live_pipeline.h"
+#include "live/stream/stream_formats.h"
+#include "retarget/load.h"
+#include "retarget/resample.h"
+#include "stream/stream_support.h"
+
+namespace retarget {
+namespace {
+
+const LoadedRobot& sent_robot() {
+  static const LoadedRobot robot =
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  return robot;
+}
+
+struct SentFrame {
+  double time;
+  LiveState state;
+  std::vector<double> qpos;
+};
+
+// A pipeline and its output.
+struct SentStream {
+  explicit SentStream(LivePace pace, const char* address = "udp:1?format=lines")
+      : pipeline(
+            set_up_robot(sent_robot(), {}).value(), options(pace),
+            (*find_stream_format(parse_address(address)->format))
+                ->decoder(parse_address(address).value()),
+            [this](const RobotFrame& frame) {
+              frames.push_back({frame.time, frame.state, {frame.qpos.begin(), frame.qpos.end()}});
+            },
+            [this](std::string_view, std::string_view text) { told += std::string(text) + "\n"; }) {
+  }
+
+  static LivePipelineOptions options(LivePace pace) {
+    LivePipelineOptions made;
+    made.pace = pace;
+    return made;
+  }
+  void send(std::string_view text, double now) {
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      ASSERT_TRUE(pipeline.packet(text.substr(0, end), now));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+  }
+  [[nodiscard]] bool is_told(std::string_view text) const {
+    return told.find(text) != std::string::npos;
+  }
+
+  std::vector<SentFrame> frames;
+  std::string told;
+  LivePipeline pipeline;
+};
+
+// The text of a clip in a format, without its header.
+std::vector<std::string> sent_lines(const Clip& clip, Encoder& encoder) {
+  std::vector<std::string> lines;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    lines.push_back(encoder.frame(clip, frame).value());
+  }
+  return lines;
+}
+
+// The frames of a session that gets the clip's frames at their times.
+std::vector<SentFrame> frames_of_session(const Clip& clip) {
+  const Plan plan = make_plan(clip, sent_robot()).value();
+  LiveSession session = LiveSession::make(plan).value();
+  LivePoser poser(plan);
+  std::vector<SentFrame> frames;
+  const auto pull = [&](double now) {
+    while (const auto frame = session.pull(now)) {
+      frames.push_back({frame->time, frame->state, {frame->qpos.begin(), frame->qpos.end()}});
+    }
+  };
+  for (int i = 0; i < clip.frame_count(); ++i) {
+    HumanFrame human;
+    human.time = clip.rate().time_of(i);
+    poser.pose(clip.rotations(i), clip.translations(i), human.world_from_bone);
+    session.push(human, human.time);
+    pull(human.time);
+  }
+  session.finish();
+  pull(clip.rate().time_of(clip.frame_count()));
+  return frames;
+}
+
+TEST(InputPace, GivesTheFramesOfASession) {
+  const Clip clip = sample_clip("walk");
+  const auto expected = frames_of_session(clip);
+  ASSERT_EQ(expected.size(), 501U);
+  for (const char* address :
+       {"stdin?format=lines", "stdin?format=bvh", "stdin?format=bvh&fps=30"}) {
+    SentStream run(LivePace::kInput, address);
+    const auto encoder = (*find_stream_format(parse_address(address)->format))->encoder();
+    run.send(encoder->begin(clip), 0.0);
+    // All lines arrive at once.
+    for (const std::string& line : sent_lines(clip, *encoder)) run.send(line, 0.001);
+    run.pipeline.finish(0.001);
+    ASSERT_EQ(run.frames.size(), expected.size()) << address;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      ASSERT_NEAR(run.frames[i].time, expected[i].time, 1e-9) << address << i;
+      ASSERT_EQ(run.frames[i].state, LiveState::kFollowing) << address << i;
+    }
+    EXPECT_FALSE(run.is_told("no timestamps")) << address;
+  }
+}
+
+TEST(InputPace, HoldsThePoseInAGapOfTheTimes) {
+  const Clip clip = sample_clip("walk");
+  SentStream run(LivePace::kInput);
+  const auto encoder = make_line_encoder();
+  run.send(encoder->begin(clip), 0.0);
+  for (int i = 0; i < 120; ++i) {
+    if (i >= 50 && i < 80) continue;  // A second.
+    run.send(encoder->frame(clip, i).value(), 0.0);
+  }
+  const auto held = std::ranges::count(run.frames, LiveState::kHolding, &SentFrame::state);
+  EXPECT_NEAR(static_cast<double>(held), 43.0, 3.0);
+}
+
+TEST(InputPace, WarnsOfFramesWithoutTimes) {
+  const Clip clip = sample_clip("walk");
+  const auto encoder = make_bvh_row_encoder();
+  const std::string header = encoder->begin(clip);
+  const auto lines = sent_lines(clip, *encoder);
+  // Without the line that states the frame time.
+  for (const double step : {0.0001, 0.03}) {
+    SentStream run(LivePace::kInput, "stdin?format=bvh");
+    run.send(header.substr(0, header.find("Frame Time:")), 0.0);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      run.send(lines[i], step * static_cast<double>(i));
+    }
+    EXPECT_EQ(run.is_told("no timestamps"), step < 0.001);
+    EXPECT_EQ(run.frames.size() > 400, step > 0.001);
+  }
+}
+
+// The same skeleton in another unit: the robot would leap by a hundred times the human's distance.
+Clip in_millimetres(const Clip& clip) {
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) joint.offset *= 10.0;
+  Clip scaled(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), scaled.rotations(frame).begin());
+    for (std::size_t i = 0; i < clip.translations(frame).size(); ++i) {
+      scaled.translations(frame)[i] = 10.0 * clip.translations(frame)[i];
+    }
+  }
+  return scaled;
+}
+
+double farthest_root(const SentStream& run) {
+  double farthest = 0.0;
+  for (const SentFrame& frame : run.frames) {
+    farthest = std::max({farthest, std::abs(frame.qpos[0]), std::abs(frame.qpos[1])});
+  }
+  return farthest;
+}
+
+TEST(NewSender, FramesWaitForItsSkeleton) {
+  for (const char* format : {"lines", "bvh"}) {
+    const Clip first = sample_clip("walk"), second = in_millimetres(first);
+    SentStream run(LivePace::kClock,
+                   format == std::string("bvh") ? "udp:1?format=bvh" : "udp:1?format=lines");
+    const auto encoder = (*find_stream_format(format))->encoder();
+    const auto other = (*find_stream_format(format))->encoder();
+    const std::string header = other->begin(second);
+    run.send(encoder->begin(first), 0.0);
+    for (int i = 0; i < 60; ++i) run.send(encoder->frame(first, i).value(), i / 30.0);
+    run.pipeline.restart_sender(3.0, true);
+    for (int i = 0; i < 30; ++i) run.send(other->frame(second, i).value(), 3.0 + i / 30.0);
+    EXPECT_EQ(run.pipeline.packets().foreign, 30) << format;
+    EXPECT_EQ(run.pipeline.packets().malformed, 0) << format;
+    EXPECT_NE(run.frames.back().state, LiveState::kFollowing) << format;
+    EXPECT_TRUE(run.is_told("whose skeleton is missing")) << format;
+    // Of its packets from before, the skeleton is used and the frame is not.
+    const auto received = run.pipeline.statistics().received;
+    for (std::string_view text = header; !text.empty();) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      ASSERT_TRUE(run.pipeline.take_early(text.substr(0, end), 4.0));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    ASSERT_TRUE(run.pipeline.take_early(other->frame(second, 0).value(), 4.0));
+    EXPECT_EQ(run.pipeline.statistics().received, received) << format;
+    for (int i = 0; i < 90; ++i) run.send(other->frame(second, i).value(), 4.1 + i / 30.0);
+    EXPECT_EQ(run.pipeline.packets().foreign, 30) << format;
+    EXPECT_EQ(run.frames.back().state, LiveState::kFollowing) << format;
+    EXPECT_LT(farthest_root(run), 5.0) << format;
+  }
+}
+
+TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
+  const Clip clip = sample_clip("walk");
+  SentStream run(LivePace::kClock, "udp:1?format=bvh");
+  ASSERT_TRUE(run.pipeline.know_skeleton(clip));
+  const auto encoder = make_bvh_row_encoder();
+  EXPECT_FALSE(encoder->begin(clip).empty());
+  run.send(encoder->frame(clip, 0).value(), 0.0);
+  run.pipeline.restart_sender(2.0, true);
+  run.send(encoder->frame(clip, 1).value(), 2.0);
+  EXPECT_EQ(run.pipeline.packets().foreign, 0);
+  EXPECT_EQ(run.pipeline.statistics().received, 2);
+}
+
+TEST(NewSender, ABodyIsLikeAnotherInTheSameUnit) {
+  const Clip clip = sample_clip("walk");
+  EXPECT_TRUE(is_like(clip, clip));
+  EXPECT_TRUE(is_like(clip, sample_clip("wave")));
+  EXPECT_FALSE(is_like(clip, in_millimetres(clip)));
+  Clip with_unit = clip;
+  ClipOrigin origin = clip.origin();
+  origin.metres_per_unit = 1.0;
+  with_unit.set_origin(origin);
+  EXPECT_FALSE(is_same(clip, with_unit));
+}
+
+}  // namespace
+}  // namespace retarget
