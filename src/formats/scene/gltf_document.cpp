@@ -86,7 +86,7 @@ std::vector<fs::path> companion_files(const std::string& path) {
     if (file && is_file(*file)) files.push_back(*file);
   }
   std::ranges::sort(files);
-  files.erase(std::ranges::unique(files).begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }
 

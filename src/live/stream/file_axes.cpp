@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "retarget/so3.h"
+
 namespace retarget {
 namespace {
 
@@ -74,7 +76,7 @@ FileAxes::FileAxes(const SkeletonAxes& stream, std::optional<double> metres_per_
   constexpr double kSame = 1e-6;
   // The heading of the world is free.
   if (!stream.up || !file.up || (joints_ * *stream.up - *file.up).norm() < kSame) return;
-  world_ = Eigen::Quaterniond::FromTwoVectors(*stream.up, *file.up);
+  world_ = rotation_between(*stream.up, *file.up);
 }
 
 }  // namespace retarget

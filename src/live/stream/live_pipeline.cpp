@@ -339,8 +339,7 @@ void LivePipeline::pass_time(double stamp) {
     if (!untimed_.add(wall_)) return;
     warn_once(pace_reported_, "stream",
               "the frames have no timestamps and arrive faster than in real time, so the robot's "
-              "motion is "
-              "too short: state their rate (stdin?format=bvh&fps=30) or their times");
+              "motion is too short: state their rate (stdin?format=bvh&fps=30) or their times");
     return;
   }
   if (stamp_) {
