@@ -21,8 +21,8 @@ namespace RETARGET_API retarget {
 [[nodiscard]] std::string human_endings_text();
 [[nodiscard]] std::string robot_endings_text();
 
-/// The other files that belong to a motion file: the buffers of a `.gltf` file that lie in its folder,
-/// without repetitions. Returns none if the file cannot be read.
+/// The other files that belong to a motion file: the buffers of a `.gltf` file that lie in its
+/// folder, without repetitions. Returns none if the file cannot be read.
 [[nodiscard]] std::vector<std::filesystem::path> companion_files(const std::string& path);
 
 /// Whether a folder holds a motion of format kCsvSonic.

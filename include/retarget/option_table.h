@@ -213,6 +213,10 @@ void append(OptionTable& table, OptionTable rows);
 [[nodiscard]] OptionTable without_rows_of(const OptionTable& taken, OptionTable table);
 [[nodiscard]] OptionTable without(OptionTable table, std::initializer_list<std::string_view> names);
 
+/// Names of the options whose values differ between two tables with the same rows.
+[[nodiscard]] std::vector<std::string> changed_options(const OptionTable& table,
+                                                       const OptionTable& other);
+
 /// Whether records of motions contain the option: it affects a motion (OptionInfo::decides) and is
 /// given, or its default is recorded too.
 [[nodiscard]] bool is_recorded(const Option& row);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct ServeRequest {
   bool plain = false;    ///< Use only the published method.
   /// Names of the options that were set explicitly (serve_table, noting_given).
   std::vector<std::string> given = {};
+
+  [[nodiscard]] bool is_given(std::string_view name) const;
 };
 
 /// The options that a recording keeps: input, skeleton, calibration, retargeting, robot and human.

@@ -26,14 +26,13 @@ if TYPE_CHECKING:
 # have gaps, but a wrong time must not give frames without end.
 _LONGEST_PAUSE = 1.0
 _LONGEST_GAP = 10.0
-_LATEST = 1e12  # Later times do not resolve single frames, seconds.
 
 
 def _seconds(value: float, name: str) -> float:
     seconds = float(value)
-    if not abs(seconds) <= _LATEST:
-        raise UsageError(f"{name}: expected a finite number of seconds, at most {_LATEST:g}, "
-                         f"found {value}")
+    if not abs(seconds) <= _retarget.MAX_LIVE_TIME:
+        raise UsageError(f"{name}: expected a finite number of seconds, at most "
+                         f"{_retarget.MAX_LIVE_TIME:g}, found {value}")
     return seconds
 
 

@@ -180,6 +180,7 @@ void open_live(PythonLive* self, const ClipHandle& clip, const RobotHandle& robo
 }  // namespace
 
 void bind_live(nb::module_& module) {
+  module.attr("MAX_LIVE_TIME") = kMaxLiveTime;
   nb::class_<PythonLive>(module, "LiveSession", "The engine of retarget.live(); use that function.")
       .def("__init__", &open_live, "clip"_a, "robot"_a, "fps"_a, "options"_a)
       .def("push", &PythonLive::push, "rotations_wxyz"_a.none(), "positions"_a.none(), "time"_a,

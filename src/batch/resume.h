@@ -17,8 +17,8 @@ struct FileFacts {
   std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
 };
 
-/// Attributes of a file, together with its companion_files(). For a folder that is a motion (SONIC), the total size and the latest
-/// modification of its files. Returns nothing for anything else.
+/// Total size and latest modification of a file and its companion_files(), or of the files of a
+/// folder that is a motion (SONIC). Returns nothing for anything else.
 [[nodiscard]] std::optional<FileFacts> facts_of(const std::string& path);
 
 /// Records the current size, modification time and hash of a file.

@@ -87,7 +87,7 @@ OptionTable loop_table(EditSettings& settings) {
           number_row("times", settings.loop.times, "N", std::numeric_limits<int>::min(),
                      std::numeric_limits<int>::max(), "Number of repetitions of the cycle"),
           choice_row("in-place", settings.loop.in_place,
-                     "Keep the body in place: remove its translation and rotation"),
+                     "Remove the translation and rotation of the cycle, at an even speed"),
           threshold_row(settings), force_row(settings)};
 }
 

@@ -87,8 +87,8 @@ class SeamFinder {
     for (int shared = longest; shared > 0; --shared) {
       if (shares(shared)) found.push_back(shared);
     }
-    // Excerpts of one clip match once. A motion that repeats exactly matches after every cycle; then
-    // only matches within the search range count, which lose the fewest cycles.
+    // Excerpts of one clip match once. A motion that repeats exactly matches after every cycle;
+    // then only matches within the search range count, which lose the fewest cycles.
     const auto matches = std::ranges::count_if(found, [&](int n) { return n >= window_; });
     if (matches == 1 && found.front() < whole) return found.front();
     const auto nearest = std::ranges::find_if(found, [&](int n) { return n <= near && n < whole; });

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import re
+import signal
 import socket
 import time
 import unittest
@@ -199,6 +200,20 @@ class Datagrams(SendersTest):
         self.assertIn("a new sender, whose skeleton is missing", messages)
         stats = json.loads((self.folder / "stats.jsonl").read_text().splitlines()[-1])
         self.assertEqual((stats["dropped"]["foreign"], stats["received"]), (30, 59))
+
+    def test_a_stalled_program_keeps_its_sender(self):
+        process, port = self.listen("-o", "live.csv")
+        with self.sender() as first, self.sender() as other:
+            self.send(first, port, self.lines[:30])
+            time.sleep(0.3)
+            process.send_signal(signal.SIGSTOP)
+            other.sendto(b"{}\n", ("127.0.0.1", port))
+            self.send(first, port, self.lines[30:60])
+            time.sleep(SILENCE)
+            process.send_signal(signal.SIGCONT)
+            self.send(first, port, self.lines[60:70])
+            time.sleep(0.3)
+        self.assertEqual(self.packets(process)[:2], (70, 0))
 
     def test_a_port_for_every_datagram(self):
         process, port = self.listen("-o", "live.csv")

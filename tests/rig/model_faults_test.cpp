@@ -180,7 +180,7 @@ TEST_F(ModelFaults, SidesMayNotDifferInTheZeroPose) {
   replace_all(text, arm, arm + " euler=\"0 -1.2 0\"");
   expect_refused(text,
                  "the limbs starting at \"left_shoulder_pitch\" and \"right_shoulder_pitch\" have "
-                 "equally many joints but are no mirror images");
+                 "the same number of joints but do not mirror each other");
   EXPECT_THAT(refusal(text), HasSubstr("mirrored zero pose"));
 }
 

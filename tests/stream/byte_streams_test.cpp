@@ -184,6 +184,14 @@ TEST_F(Senders, FollowTheFirstOneUntilItIsSilent) {
   EXPECT_EQ(lock.judge(at(2, 9), 2.5), Verdict::kSender) << "the same machine";
 }
 
+TEST_F(Senders, AreNotReplacedAfterAStallOfTheReceiver) {
+  SenderLock lock;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(lock.judge(at(1, 5), 0.1 * i), Verdict::kSender);
+  EXPECT_EQ(lock.judge(at(2, 5), 3.0, 0.95), Verdict::kStranger);
+  EXPECT_EQ(lock.judge(at(1, 5), 3.0, 0.95), Verdict::kSender);
+  EXPECT_EQ(lock.judge(at(2, 5), 4.1, 4.1), Verdict::kNewSender);
+}
+
 TEST_F(Senders, APortForEveryDatagramIsOneSender) {
   SenderLock lock;
   for (std::uint16_t i = 0; i < 1000; ++i) {

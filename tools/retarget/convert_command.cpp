@@ -34,9 +34,7 @@ bool is_of_human(const ConvertArguments& arguments) {
   ConvertArguments without_options;
   OptionTable defaults = reading_table(without_options.reading);
   append(defaults, robot_table(without_options.robot));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (to_text(rows[i].get()) != to_text(defaults[i].get())) return false;
-  }
+  if (!changed_options(rows, defaults).empty()) return false;
   // Only robots have references.
   if (arguments.save.reference_rate > 0.0 || !arguments.save.reference.empty()) return false;
   const auto items = plan_outputs(arguments.output, arguments.save);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -43,14 +42,11 @@ Result<void> list_formats() {
   return write_file("-", text);
 }
 
-bool is_given(const LiveArguments& arguments, std::string_view name) {
-  return std::ranges::find(arguments.request.given, name) != arguments.request.given.end();
-}
-
 // Options of a player have no effect on a live run, and the other way round.
 Result<void> check_player_use(const LiveArguments& arguments) {
+  const ServeRequest& request = arguments.request;
   if (arguments.play.empty()) {
-    if (!is_given(arguments, "to") && !is_given(arguments, "speed")) return {};
+    if (!request.is_given("to") && !request.is_given("speed")) return {};
     return usage_failure(
         RETARGET_OPTION("to") " and " RETARGET_OPTION("speed") " require " RETARGET_OPTION("play"),
         "add " RETARGET_OPTION("play") " FILE, or use " RETARGET_OPTION(
@@ -61,7 +57,7 @@ Result<void> check_player_use(const LiveArguments& arguments) {
   OptionTable rows = player_table(used);
   append(rows, rows_for(OptionUse::kLive, human_table(human)));
   std::vector<std::string> unused;
-  for (const std::string& name : arguments.request.given) {
+  for (const std::string& name : request.given) {
     if (find_option(rows, name) == nullptr) unused.push_back(marked_option(name));
   }
   if (unused.empty()) return {};

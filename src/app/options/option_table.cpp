@@ -140,4 +140,12 @@ OptionTable without(OptionTable table, std::initializer_list<std::string_view> n
   return table;
 }
 
+std::vector<std::string> changed_options(const OptionTable& table, const OptionTable& other) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (table[i].get() != other[i].get()) names.push_back(table[i].name);
+  }
+  return names;
+}
+
 }  // namespace retarget

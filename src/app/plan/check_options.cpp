@@ -102,14 +102,10 @@ Result<void> check_scene_options(const SolveOptions& solve, const SaveOptions& s
 Result<void> check_fit_unused(FitOptions fit) {
   FitOptions default_options;
   fit.threads = default_options.threads;  // Front ends set it for every method.
-  const OptionTable rows = fit_table(fit), defaults = fit_table(default_options);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (to_text(rows[i].get()) == to_text(defaults[i].get())) continue;
-    return usage_failure(
-        "the fit option \"" + rows[i].name + "\" requires " OPTION("method") " fit",
-        "omit " OPTION("method"));
-  }
-  return {};
+  const auto given = changed_options(fit_table(fit), fit_table(default_options));
+  if (given.empty()) return {};
+  return usage_failure("the fit option \"" + given.front() + "\" requires " OPTION("method") " fit",
+                       "omit " OPTION("method"));
 }
 
 }  // namespace

@@ -38,11 +38,8 @@ Result<Clip> clip_of(const RobotClip& motion, const SourceRobot& robot, const st
 template <typename Table, typename Value>
 std::string given(Table table, const Value& value) {
   Value given = value, none;
-  const OptionTable rows = table(given), defaults = table(none);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].get() != defaults[i].get()) return rows[i].name;
-  }
-  return {};
+  const auto names = changed_options(table(given), table(none));
+  return names.empty() ? std::string() : names.front();
 }
 
 Failure not_of_robots(const std::string& option) {

@@ -148,17 +148,16 @@ Result<void> check_ending(const OutputItem& item) {
 // Rejects options that change only formats that are not written.
 Result<void> check_used(SaveOptions options, const std::vector<OutputItem>& items) {
   SaveOptions default_options;
-  const OptionTable rows = save_table(options), defaults = save_table(default_options);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (to_text(rows[i].get()) == to_text(defaults[i].get())) continue;
-    const std::vector<std::string> users = formats_with_option(rows[i].name);
+  for (const std::string& name :
+       changed_options(save_table(options), save_table(default_options))) {
+    const std::vector<std::string> users = formats_with_option(name);
     const auto uses = [&](const OutputItem& item) {
       return std::ranges::count(users, format_name(item.format)) > 0;
     };
     if (users.empty() || std::ranges::any_of(items, uses)) continue;
-    return usage_failure(marked_option(rows[i].name) + " has no effect on " +
-                             std::string(format_name(items.front().format)),
-                         "it applies to " + list_names(users));
+    return usage_failure(
+        marked_option(name) + " has no effect on " + std::string(format_name(items.front().format)),
+        "it applies to " + list_names(users));
   }
   return {};
 }

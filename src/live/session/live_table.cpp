@@ -85,13 +85,10 @@ Result<void> check_fit_of_frames(const Options& run) {
   usual.solve.fit_config.clear();
   RETARGET_TRY_ASSIGN(FitOptions fit, choose_fit(run, run.solve.fit));
   RETARGET_TRY_ASSIGN(FitOptions usual_fit, choose_fit(usual, run.solve.fit));
-  const OptionTable rows = fit_table(fit), usual_rows = fit_table(usual_fit);
-  std::vector<std::string> unused;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool is_used =
-        std::ranges::find(kFrameFitOptions, rows[i].name) != kFrameFitOptions.end();
-    if (!is_used && rows[i].get() != usual_rows[i].get()) unused.push_back(rows[i].name);
-  }
+  std::vector<std::string> unused = changed_options(fit_table(fit), fit_table(usual_fit));
+  std::erase_if(unused, [](const std::string& name) {
+    return std::ranges::find(kFrameFitOptions, name) != kFrameFitOptions.end();
+  });
   if (unused.empty()) return {};
   return usage_failure(
       run.solve.fit_config + ": " + list_names(unused) +

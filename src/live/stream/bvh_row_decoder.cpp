@@ -107,8 +107,8 @@ Result<void> BvhRowDecoder::take_line(std::string_view line, StreamSink& sink) {
 void BvhRowDecoder::take_frame_time(std::string_view text) {
   constexpr double kShortest = 1e-4, kLongest = 10.0;  // seconds
   const auto seconds = parse_number<double>(text);
-  if (!seconds || *seconds < kShortest || *seconds > kLongest) return;
-  declared_ = frame_rate_from_frame_time(*seconds);
+  const bool is_valid = seconds && *seconds >= kShortest && *seconds <= kLongest;  // Also not NaN.
+  if (is_valid) declared_ = frame_rate_from_frame_time(*seconds);
 }
 
 Result<void> BvhRowDecoder::end_header(StreamSink& sink) {

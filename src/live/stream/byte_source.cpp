@@ -57,10 +57,10 @@ bool SenderLock::has_sent_recently(std::uint16_t port, double now) {
   return known && single < kMostSinglePorts;
 }
 
-SenderLock::Verdict SenderLock::judge(const Endpoint& from, double now) {
+SenderLock::Verdict SenderLock::judge(const Endpoint& from, double now, double earliest) {
   if (filter_.any) return Verdict::kSender;
   if (!filter_.admits(from)) return Verdict::kStranger;
-  const bool is_free = !sender_ || now - latest_ > kReleasedAfter;
+  const bool is_free = !sender_ || earliest - latest_ > kReleasedAfter;
   const bool same_host = sender_ && sender_->host == from.host;
   const bool same = same_host && (any_port_ || sender_->port == from.port);
   if (!is_free && !same && (!same_host || is_steady_)) return Verdict::kStranger;
@@ -113,8 +113,9 @@ SenderConnections::Event SenderConnections::wait(double seconds, double now) {
     for (const Connection& each : waiting_) sources[count++] = &each.connection;
   }
   const int which = wait_for(std::span(sources).first(count), seconds);
+  // A busy sender does not keep the listener's short queue full.
+  if (which == 1 || (which == 0 && has_input(listener_))) accept();
   if (which == 0) return Event::kInput;
-  if (which == 1) accept();
   if (which < 0 || is_alive(now)) return Event::kNothing;
   if (!promote()) return Event::kNothing;
   latest_ = now;
@@ -281,7 +282,12 @@ ByteSource::Event ByteSource::give(std::string_view bytes) {
 
 ByteSource::Event ByteSource::wait_for_datagram(double seconds) {
   const std::array<const Descriptor*, 2> sources = {&socket_, &group_};
-  const int which = wait_for(sources, seconds);
+  int which = wait_for(sources, 0.0);
+  if (which < 0) {
+    const double end = now() + seconds;
+    which = wait_for(sources, seconds);
+    emptied_ = std::min(now(), end);  // The machine may stop this program during the wait.
+  }
   if (which < 0) return Event::kNothing;
   return take_datagram(which == 0 ? socket_ : group_);
 }
@@ -292,7 +298,7 @@ ByteSource::Event ByteSource::take_datagram(const Descriptor& from) {
     Endpoint sender;
     const auto bytes = receive_from(from, room_, sender);
     if (!bytes) return Event::kNothing;
-    switch (lock_.judge(sender, now())) {
+    switch (lock_.judge(sender, now(), emptied_)) {
       case SenderLock::Verdict::kSender:
         return give(*bytes);
       case SenderLock::Verdict::kNewSender:

@@ -47,7 +47,10 @@ class SenderLock {
       : filter_(filter), any_port_(any_port) {}
 
   /// @param now  seconds, any clock
-  [[nodiscard]] Verdict judge(const Endpoint& from, double now);
+  /// @param earliest  earliest possible arrival time, same clock. After a stall of this program, a
+  ///     datagram of the sender may be next in the queue.
+  [[nodiscard]] Verdict judge(const Endpoint& from, double now, double earliest);
+  [[nodiscard]] Verdict judge(const Endpoint& from, double now) { return judge(from, now, now); }
   [[nodiscard]] const std::optional<Endpoint>& sender() const { return sender_; }
 
  private:
@@ -191,6 +194,7 @@ class ByteSource {
   Descriptor socket_, group_;  // Unicast and multicast datagrams.
   Descriptor pipe_;
   SenderLock lock_;
+  double emptied_ = 0.0;  // Last time at which no datagram was waiting, seconds.
   SenderConnections connections_;
   std::optional<Endpoint> server_;
 

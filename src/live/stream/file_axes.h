@@ -19,8 +19,8 @@ struct SkeletonAxes {
 };
 
 /// Converts poses of a stream to the world, joint axes and unit of the user's file of the same
-/// skeleton. The stream may have another up axis; its joint axes may turn with its world (a zero pose
-/// is upright in both) or be those of the file.
+/// skeleton. The stream may have another up axis; its joint axes may turn with its world (a zero
+/// pose is upright in both) or be those of the file.
 class FileAxes {
  public:
   FileAxes() = default;

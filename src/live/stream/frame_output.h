@@ -57,13 +57,13 @@ struct FrameOutputContext {
 [[nodiscard]] Failure lacks_library(const StreamAddress& to, std::string_view library,
                                     std::string_view package);
 
-/// Checks the address of an output before anything is opened. Errors (kUsage): unknown format, or one
-/// that does not support the address; parameters after `?` that it does not support; a missing
+/// Checks the address of an output before anything is opened. Errors (kUsage): unknown format, or
+/// one that does not support the address; parameters after `?` that it does not support; a missing
 /// folder.
 [[nodiscard]] Result<void> check_frame_output(const StreamAddress& to);
 
-/// Opens an output. Errors: those of check_frame_output; unavailable address; a format that does not
-/// support this robot (kUsage).
+/// Opens an output. Errors: those of check_frame_output; unavailable address; a format that does
+/// not support this robot (kUsage).
 [[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_frame_output(
     const StreamAddress& to, const FrameOutputContext& context);
 

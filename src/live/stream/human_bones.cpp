@@ -5,6 +5,7 @@
 
 #include "retarget/human_poser.h"
 #include "retarget/plan.h"
+#include "retarget/so3.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -63,7 +64,7 @@ Result<Clip> clip_with_units(Clip clip, const HumanOptions& options,
 
 ClipAxes::ClipAxes(const Clip& clip, const Eigen::Vector3d& up) {
   const ClipOrigin& origin = clip.origin();
-  if (origin.up) turn_ = Eigen::Quaterniond::FromTwoVectors(*origin.up, up);
+  if (origin.up) turn_ = rotation_between(*origin.up, up);
   metres_per_unit_ = origin.metres_per_unit.value_or(1.0);
 }
 

@@ -323,8 +323,8 @@ bool LivePipeline::is_foreign() {
   return true;
 }
 
-// The time of a frame on the sender's clock; NaN: unknown. If frames need not arrive in real time, the
-// rate that the stream declares gives their times.
+// The time of a frame on the sender's clock; NaN: unknown. If frames need not arrive in real time,
+// the rate that the stream declares gives their times.
 double LivePipeline::time_of(const StreamFrame& frame) const {
   const bool is_declared =
       options_.pace == LivePace::kInput && options_.live.clock == LiveClock::kSender;

@@ -55,10 +55,11 @@ class LivePipeline final {
   /// (LiveSession::skip_to).
   void skip(double due, double now);
   /// Declares a new sender or connection.
-  /// @param may_lack_skeleton  the sender may have sent its skeleton before it was accepted. Its frames
-  ///     are dropped until its skeleton arrives, because they may belong to another body.
+  /// @param may_lack_skeleton  the sender may have sent its skeleton before it was accepted. Its
+  ///     frames are dropped until its skeleton arrives, because they may belong to another body.
   void restart_sender(double now, bool may_lack_skeleton = false);
-  /// Uses the skeletons of a packet that a new sender sent before it was accepted. Its frames are old.
+  /// Uses the skeletons of a packet that a new sender sent before it was accepted. Its frames are
+  /// old.
   [[nodiscard]] Result<void> take_early(std::string_view bytes, double now);
   /// Recalibrates the body from its pose after calibrate_after_s seconds.
   void recalibrate(double now);

@@ -107,22 +107,22 @@ OptionTable player_table(PlayOptions& options) {
                  {.min = 0.0, .max = 1000.0})};
 }
 
-namespace {
-
-bool is_given(const ServeRequest& request, std::string_view name) {
-  return std::ranges::find(request.given, name) != request.given.end();
+bool ServeRequest::is_given(std::string_view name) const {
+  return std::ranges::find(given, name) != given.end();
 }
+
+namespace {
 
 // Options that a replay does not use, marked.
 std::vector<std::string> options_of_no_replay(ServeRequest request) {
   ServeRequest usual;
-  const OptionTable rows = serve_table(request), usual_rows = serve_table(usual);
+  const OptionTable rows = serve_table(request);
+  const std::vector<std::string> changed = changed_options(rows, serve_table(usual));
   std::vector<std::string> unused;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string& name = rows[i].name;
+  for (const std::string& name : option_names(rows)) {
     if (name == "replay" || name == "output") continue;
-    const bool is_changed = to_text(rows[i].get()) != to_text(usual_rows[i].get());
-    if (is_changed || is_given(request, name)) unused.push_back(marked_option(name));
+    const bool is_changed = std::ranges::find(changed, name) != changed.end();
+    if (is_changed || request.is_given(name)) unused.push_back(marked_option(name));
   }
   return unused;
 }
@@ -140,7 +140,7 @@ Result<void> restore_recorded(ServeRequest& request) {
 
 Result<void> check_use(const ServeRequest& request) {
   const LivePipelineOptions& pipeline = request.serve.pipeline;
-  if (is_given(request, "after") && pipeline.calibrate == LiveCalibration::kAuto) {
+  if (request.is_given("after") && pipeline.calibrate == LiveCalibration::kAuto) {
     return usage_failure(RETARGET_OPTION("after") " requires " RETARGET_OPTION("calibrate"),
                          "add " RETARGET_OPTION("calibrate") " tpose or npose");
   }

@@ -23,8 +23,8 @@ inline constexpr int kMaxStreamJoints = 500;
 /// A frame of a stream, for the skeleton received last; its contents match a frame of a Clip.
 struct StreamFrame {
   double time = std::numeric_limits<double>::quiet_NaN();  ///< Sender's time, s; NaN: none.
-  /// Time at the frame rate that the stream declares, for streams that do not arrive in real time, s;
-  /// NaN: none.
+  /// Time at the frame rate that the stream declares, for streams that do not arrive in real time,
+  /// s; NaN: none.
   double declared = std::numeric_limits<double>::quiet_NaN();
   std::vector<Eigen::Quaterniond> rotations;  ///< All joints, parent_from_joint, unit length.
   std::vector<Eigen::Vector3d> translations;  ///< Indexed by Skeleton::translation_slot.
@@ -52,7 +52,8 @@ class Decoder {
   virtual void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
     static_cast<void>(skeleton);
   }
-  /// Sets the up axis of that file's world, once it is recognised, for streams that state their own.
+  /// Sets the up axis of that file's world, once it is recognised, for streams that state their
+  /// own.
   virtual void know_up(const Eigen::Vector3d& up) { static_cast<void>(up); }
   /// Resets the state for a new sender.
   virtual void restart() {}

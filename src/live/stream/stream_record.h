@@ -29,8 +29,8 @@ enum class StreamEvent : char {
 
 /// Writes the file of a recorded input: for each event a line `LETTER MICROSECONDS BYTES`, then the
 /// bytes and a line end. Times are arrival times since the start of the run. A thread writes the
-/// file, so that a stalled disk does not delay the session. A recording that cannot continue ends with the last
-/// complete event.
+/// file, so that a stalled disk does not delay the session. A recording that cannot continue ends
+/// with the last complete event.
 class StreamRecorder {
  public:
   /// Errors (kRun): the file is not writable.

@@ -311,8 +311,8 @@ bool CounterpartSearch::may_be_limb(int link) const {
   return joint_chain(robot_, link).size() >= kLimb && !carries_pair(link);
 }
 
-// Returns the position of a branch across the trunk, relative to the distance between the limbs of a
-// pair; 0 is the middle.
+// Returns the position of a branch across the trunk, relative to the distance between the limbs of
+// a pair; 0 is the middle.
 double CounterpartSearch::aside(int link) const {
   if (pairs_.empty()) return 0.0;
   const BranchPair& pair = pairs_.front();
@@ -328,10 +328,11 @@ std::optional<OneSided> CounterpartSearch::posed_differently(int first, int seco
   if (a.size() != b.size() || !may_be_limb(first) || !may_be_limb(second)) return std::nullopt;
   const auto [left, right] = std::minmax({aside(first), aside(second)});
   if (left > -kLeastAside || right < kLeastAside) return std::nullopt;
-  return OneSided{fmt::format("the limbs starting at {} and {} have equally many joints but are no "
-                              "mirror images of each other in the zero configuration",
-                              name_of(a[0]), name_of(b[0])),
-                  "give one side the mirrored zero pose of the other, and adapt its joint ranges"};
+  return OneSided{
+      fmt::format("the limbs starting at {} and {} have the same number of joints but do "
+                  "not mirror each other in the zero configuration",
+                  name_of(a[0]), name_of(b[0])),
+      "give one side the mirrored zero pose of the other, and adapt its joint ranges"};
 }
 
 // A branch beside the trunk.

@@ -53,8 +53,8 @@ class ModelRepair {
 /// @return the names of those bodies.
 std::vector<std::string> repair_inertias(mjSpec* spec);
 
-/// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them, for
-/// which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
+/// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them,
+/// for which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
 /// @param model  the compiled spec.
 [[nodiscard]] std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model);
 

@@ -186,7 +186,7 @@ double FastSolver::measure_errors(int pass, std::span<const double> qpos) {
   return std::sqrt(sum);
 }
 
-// Builds H and g from |W (J V + e)|^2 / 2 of the tasks, summed over the bodies of each link.
+// Assembles H and g from the forms |W (J V + e)|^2 / 2 of the tasks.
 void FastSolver::build_system(int pass) {
   const Pass& tasks = passes_[pass];
   std::ranges::fill(composites_, Composite{});

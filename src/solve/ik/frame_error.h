@@ -9,9 +9,9 @@ namespace retarget {
 /// Small-angle thresholds of the published method; see published_jacobian_inverse().
 inline constexpr double kSmallAngleSquared = 1e-10;
 inline constexpr double kNoRotation = 1e-10;
-/// Angle (0.02 rad, squared) above which the sine and cosine may come from the quaternion. Below it,
-/// the rounding error of the closed forms depends on the last bit of the sine, so that both engines
-/// must compute it in the same way.
+/// Angle (0.02 rad, squared) above which the sine and cosine may come from the quaternion. Below
+/// it, the rounding error of the closed forms depends on the last bit of the sine, so that both
+/// engines must compute it in the same way.
 inline constexpr double kPlainAngleSquared = 4e-4;
 
 /// The error of a frame task in world axes, from a single logarithm.
