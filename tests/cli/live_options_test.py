@@ -46,6 +46,8 @@ class Outputs(OptionsTest):
 
     def test_a_missing_file_is_named_at_the_start(self):
         self.refused("--map", "nope", code=4, messages=["nope"])
+        self.write("map.json", '{"hips": "Hips"}')
+        self.refused("--map", "map.json", code=4, messages=["map.json", 'no bone "hips"'])
         self.refused("--tpose-file", "nope.bvh", code=4, messages=["nope.bvh"])
 
 

@@ -40,7 +40,9 @@ std::vector<ContactPhase> contacts(const SourceFeet& source, std::size_t support
   BodyContacts all;
   find_body_contacts(source, kStanding, scale, {}, all);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i != support) EXPECT_THAT(all[i], IsEmpty()) << i;
+    if (i != support) {
+      EXPECT_THAT(all[i], IsEmpty()) << i;
+    }
   }
   return all[support];
 }

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
@@ -65,6 +68,28 @@ TEST(BoneMapFile, RejectsBonesOutsideTheirChain) {
               HasSubstr("\"LeftLeg\" as \"LeftFoot\" is not below the bones"));
   EXPECT_THAT(parse_bone_map("{}", "map.json", skeleton).error().message,
               HasSubstr("\"Hips\" has no joint"));
+}
+
+// A stream has no skeleton yet when its options are checked.
+TEST(BoneMapFile, IsCheckedWithoutASkeleton) {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& text) {
+    return check_bone_map(folder.write("map.json", text));
+  };
+  EXPECT_TRUE(check(R"({"Hips": "pelvis", "Spine": null})"));
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {"{", "invalid JSON"},
+           {"[]", "must be a JSON object"},
+           {R"({"Hips": "pelvis", "Spin": "a"})", "no bone \"Spin\" (did you mean"},
+           {R"({"Hips": "pelvis", "LeftFootMod": "a"})", "no bone \"LeftFootMod\""},
+           {R"({"Hips": 3})", "must be a joint name or null"},
+           {R"({"Hips": null})", "\"Hips\" has no joint"},
+           {R"({"Spine": "a"})", "\"Hips\" has no joint"}}) {
+    const auto checked = check(text);
+    ASSERT_FALSE(checked) << text;
+    EXPECT_EQ(checked.error().kind, ErrorKind::kConfig);
+    EXPECT_THAT(full_message(checked.error()), HasSubstr(message));
+  }
 }
 
 TEST(BoneMap, RotationJointAboveTheHipsIsTheirParent) {

@@ -126,9 +126,11 @@ CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments&
 }
 
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
-  CLI::App* command = app.add_subcommand("convert", "Convert a robot motion to other file formats");
+  CLI::App* command = app.add_subcommand(
+      "convert", "Convert a robot motion to other file formats, or a human motion to GLB");
   declare(*command,
-          {word("input", arguments.input, "IN", "CSV, NPZ or pickle; - reads standard input"),
+          {word("input", arguments.input, "IN",
+                "Robot motion, CSV, NPZ or pickle (- reads standard input), or human motion"),
            word("out", arguments.output, "OUT", "File to write, same as -o", false)});
   declare(*command, convert_table(arguments));
   command->get_option("--interpolation")->description("Interpolation between frames");

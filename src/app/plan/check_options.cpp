@@ -4,6 +4,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "human/skeleton/bone_map.h"
 #include "retarget/clip_range.h"
 #include "retarget/file.h"
 #include "retarget/option_table.h"
@@ -156,9 +157,9 @@ Result<void> check_solving_options(const Options& options) {
 Result<void> check_options(const Options& options) {
   TRY(check_solving_options(options));
   TRY(check_human_options(options.human));
-  for (const std::string* file : {&options.human.map, &options.human.tpose_file}) {
-    if (!file->empty()) TRY(read_file(*file, ErrorKind::kConfig, kMaxTextBytes));
-  }
+  if (!options.human.map.empty()) TRY(check_bone_map(options.human.map));
+  const std::string& tpose = options.human.tpose_file;
+  if (!tpose.empty()) TRY(read_file(tpose, ErrorKind::kConfig, kMaxTextBytes));
   const std::string& body = options.source.smpl_model;
   if (!body.empty()) TRY(check_readable(body, ErrorKind::kConfig));
   constexpr int kAnyLength = std::numeric_limits<int>::max();

@@ -120,16 +120,35 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Returns the joint that an entry names; -1 for null.
-std::optional<int> read_joint(const std::string& bone, const Json& value, const Skeleton& skeleton,
-                              Faults& faults) {
-  if (value.is_null()) return -1;
-  if (!value.is_string()) {
-    faults.add(
-        fmt::format("\"{}\" must be a joint name or null, found {}", bone, short_text(value)));
-    return std::nullopt;
+constexpr const char* kNoHips = "\"Hips\" has no joint: without it there is no root";
+
+Result<Json> parse_object(std::string_view text, const std::string& file) {
+  TRY_ASSIGN(auto json, parse_json(text, file));
+  if (!json.is_object()) {
+    return config_failure(file, "a bone map must be a JSON object {bone: joint or null}");
   }
-  const std::string name = value.get<std::string>();
+  return json;
+}
+
+// Returns the bone that a key names.
+std::optional<Bone> read_bone(const std::string& key, Faults& faults) {
+  const std::optional<Bone> bone = bone_from_name(key);
+  if (bone && limb_bone(*bone) != LimbBone::kFootMod) return bone;
+  faults.add(fmt::format("no bone \"{}\"{}", key, faults.suggestion(key, mapped_bone_names())));
+  return std::nullopt;
+}
+
+// Returns the joint name of an entry; empty for null.
+std::optional<std::string> read_name(const std::string& bone, const Json& value, Faults& faults) {
+  if (value.is_null()) return std::string();
+  if (value.is_string()) return value.get<std::string>();
+  faults.add(fmt::format("\"{}\" must be a joint name or null, found {}", bone, short_text(value)));
+  return std::nullopt;
+}
+
+// Returns the joint with this name.
+std::optional<int> find_joint(const std::string& bone, const std::string& name,
+                              const Skeleton& skeleton, Faults& faults) {
   const std::vector<std::string> names = skeleton.names();
   const auto count = std::ranges::count(names, name);
   if (count == 1) return skeleton.find(name);
@@ -146,13 +165,12 @@ std::optional<int> read_joint(const std::string& bone, const Json& value, const 
 void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faults& faults) {
   std::map<int, std::string> bone_of_joint;
   for (const auto& [key, value] : json.items()) {
-    const std::optional<Bone> bone = bone_from_name(key);
-    if (!bone || limb_bone(*bone) == LimbBone::kFootMod) {
-      faults.add(fmt::format("no bone \"{}\"{}", key, faults.suggestion(key, mapped_bone_names())));
-      continue;
-    }
-    const std::optional<int> joint = read_joint(key, value, skeleton, faults);
-    if (!joint || *joint < 0) continue;
+    const std::optional<Bone> bone = read_bone(key, faults);
+    if (!bone) continue;
+    const std::optional<std::string> name = read_name(key, value, faults);
+    if (!name || value.is_null()) continue;
+    const std::optional<int> joint = find_joint(key, *name, skeleton, faults);
+    if (!joint) continue;
     const auto [found, is_new] = bone_of_joint.try_emplace(*joint, key);
     if (!is_new) {
       faults.add(fmt::format("\"{}\" is given for two bones, \"{}\" and \"{}\"",
@@ -164,7 +182,7 @@ void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faul
 
 // Adds the faults of the map as a whole.
 void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
-  if (!map.has(Bone::kHips)) faults.add("\"Hips\" has no joint: without it there is no root");
+  if (!map.has(Bone::kHips)) faults.add(kNoHips);
   const SkeletonTree tree(skeleton);
   for (const auto& chain : bone_chains()) {
     for (const Bone bone : bones_out_of_line(tree, map, chain)) {
@@ -175,6 +193,21 @@ void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
 }
 
 }  // namespace
+
+Result<void> check_bone_map(const std::string& path) {
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, kMaxTextBytes));
+  TRY_ASSIGN(const Json json, parse_object(text.view(), path));
+  Faults faults;
+  bool has_hips = false;
+  for (const auto& [key, value] : json.items()) {
+    const std::optional<Bone> bone = read_bone(key, faults);
+    if (bone && read_name(key, value, faults) && !value.is_null() && *bone == Bone::kHips) {
+      has_hips = true;
+    }
+  }
+  if (faults.empty() && !has_hips) faults.add(kNoHips);
+  return faults.empty() ? Result<void>() : faults.failure_in(path, "the bone map");
+}
 
 std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton) {
   Json json = Json::object();
@@ -193,10 +226,7 @@ Result<void> save_bone_map(const std::string& path, const BoneMap& map, const Sk
 
 Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
                                const Skeleton& skeleton) {
-  TRY_ASSIGN(const auto json, parse_json(text, file));
-  if (!json.is_object()) {
-    return config_failure(file, "a bone map must be a JSON object {bone: joint or null}");
-  }
+  TRY_ASSIGN(const Json json, parse_object(text, file));
   BoneMap map;
   map.profile = "map file";
   map.confidence = 1.0;
