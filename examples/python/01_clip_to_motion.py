@@ -49,7 +49,9 @@ def main(bvh: str, robot: str, folder: Path) -> None:
 
     stem = folder / Path(bvh).stem
     motion.save(f"{stem}.csv")
-    motion.save(f"{stem}.npz", format="npz-mjlab", npz_fps=50)
+    # A tracking NPZ has 50 fps: solving at this rate is better than interpolating the motion of 30 fps.
+    for_training = retarget.to_robot(clip, robot, format="npz-mjlab")
+    for_training.save(f"{stem}.npz", format="npz-mjlab")
     if not plot_joints(motion, Path(f"{stem}.png")):
         print("no picture: pip install matplotlib")
 

@@ -23,7 +23,7 @@ def main(source: Path, name: str, folder: Path) -> None:
         try:
             clip = retarget.load(file)
             for suffix, each in (("", clip), ("_mirrored", retarget.edit.mirror(clip))):
-                motion = retarget.to_robot(each, robot, threads=1)
+                motion = retarget.to_robot(each, robot, threads=1, format="npz-mjlab")
                 motion.save(folder / f"{file.stem}{suffix}.npz", format="npz-mjlab")
             return f"{file.name}: {'good' if retarget.evaluate(motion).passed else 'misses gates'}"
         except retarget.Error as error:

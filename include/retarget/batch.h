@@ -56,7 +56,8 @@ struct BatchRequest {
 [[nodiscard]] Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer);
 
 /// Merges the manifests of all shards in the output folder and the manifests given as inputs.
-/// @return the number of failed clips.
+/// kUsage errors: options that have no effect on a merge.
+/// @return the number of failed clips and missing shards.
 [[nodiscard]] Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer);
 
 /// Group of batch options in help and docs.

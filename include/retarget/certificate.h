@@ -6,6 +6,7 @@
 #include "retarget/export.h"
 #include "retarget/load.h"
 #include "retarget/measure_files.h"
+#include "retarget/report.h"
 #include "retarget/run.h"
 
 // Link retarget::batch.
@@ -18,7 +19,8 @@ inline constexpr const char* kPredictedFigure = "predicted_tracking_success";
 /// A document with the metrics of a motion, its simulation and its predicted success
 /// (docs/certificate.md; schema: docs/certificate.schema.json).
 struct Certificate {
-  std::string json;  ///< The document.
+  std::string json;      ///< The document.
+  QualityReport report;  ///< Of the motion, judged by the gates.
   bool gates_passed = false;
   bool fell = false;           ///< Whether the simulated robot fell.
   double tracked_pct = 100.0;  ///< Share of the motion before the fall, %.

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -32,6 +33,11 @@ namespace RETARGET_API retarget {
 /// Usage errors: those of the two functions above; both frames and times given.
 [[nodiscard]] Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate,
                                               int frame_count);
+
+/// A warning if the options select frames or times beyond the end of the clip, by more than one
+/// frame; otherwise none. chosen_range cuts such a part at the end of the clip.
+[[nodiscard]] std::vector<Warning> range_doubts(const PartOptions& part, const FrameRate& rate,
+                                                int frame_count);
 
 /// Number of frames at the beginning of a clip that are not part of its motion: one or several
 /// static poses (a T-pose, all zeros), each followed by a jump that no human can make. 0 if the

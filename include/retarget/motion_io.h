@@ -183,6 +183,7 @@ struct TrackingMotion {
   std::vector<double> joint_pos, joint_vel;        ///< frames x joints.
   std::vector<double> body_pos, body_quat;         ///< frames x bodies x 3 and x 4.
   std::vector<double> body_lin_vel, body_ang_vel;  ///< frames x bodies x 3.
+  std::vector<double> root_lin_vel;                ///< frames x 3, of the root body's origin.
   std::optional<FootContacts> contacts;            ///< One per sample; empty: unknown.
   std::optional<TrackedObjects> objects;           ///< Empty: only the robot moves.
   std::optional<TrackedContacts> touches;          ///< Empty: no scene.

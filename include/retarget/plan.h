@@ -82,7 +82,8 @@ struct Plan {
   std::vector<ObjectTrack> object_tracks;
   /// Changes to the contacts that are found in the clip.
   std::vector<ContactEdit> contact_edits;
-  std::vector<Warning> clip_doubts;       ///< Reasons why the clip's path or scene may be wrong.
+  /// Reasons why the clip's part, path or scene may be wrong.
+  std::vector<Warning> clip_doubts;
   std::vector<SummaryLine> clip_notes;    ///< Omitted parts of the clip, with reasons.
   std::vector<SummaryLine> config_notes;  ///< Omitted parts of the configuration, with reasons.
 

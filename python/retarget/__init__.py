@@ -3,7 +3,7 @@
     import retarget
 
     clip = retarget.load("walk.bvh")
-    motion = retarget.to_robot(clip, "unitree_g1")
+    motion = retarget.to_robot(clip, "unitree_g1", format="npz-mjlab")
     motion.save("walk.npz", format="npz-mjlab")
 
 The options are those of the command `retarget`, as keywords: `--source-fps 30` is `source_fps=30`.

@@ -13,6 +13,7 @@
 #include "edit_source.h"
 #include "keywords.h"
 #include "raise.h"
+#include "retarget/clip_range.h"
 #include "retarget/edit_tables.h"
 #include "retarget/option_table.h"
 #include "retarget/try.h"
@@ -36,6 +37,9 @@ Result<EditSource> edit_source(const Clip& clip, const EditOptions& options,
   RETARGET_TRY_ASSIGN(HumanInClip human, find_human(copy, how, data_folder));
   EditSource source{std::move(copy), std::move(human)};
   const PartOptions& part = options.part;
+  for (Warning& doubt : range_doubts(part, clip.rate(), clip.frame_count())) {
+    source.human.calibration.doubts.push_back(std::move(doubt));
+  }
   RETARGET_TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
   const bool is_part = part.start_s >= 0.0 || !part.frames.empty();
   if (needs.no_lead_in && !is_part) source.clip = cut_lead_in(std::move(source.clip)).clip;
@@ -110,6 +114,7 @@ ClipHandle edited(const ClipHandle& clip, const Call& call, const Function& func
 ClipHandle trim_clip(const ClipHandle& clip, const nb::dict& keywords) {
   PartOptions part;
   apply_keywords(rows_for(OptionUse::kEdit, part_table(part)), keywords);
+  warn(range_doubts(part, clip->rate(), clip->frame_count()), clip->name());
   return ClipHandle(without_gil([&] { return trim(*clip, part); }));
 }
 

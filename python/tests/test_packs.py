@@ -171,6 +171,24 @@ def test_passed_motions_of_a_batch(data: Path, tmp_path: Path) -> None:
         main([*words, "--robot", "g1"])
 
 
+def test_csvs_have_the_rate_of_their_batch(data: Path, tmp_path: Path) -> None:
+    need("pyarrow")
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/wave.bvh").write_bytes((data / "wave.bvh").read_bytes())
+    retarget.batch(tmp_path / "in", tmp_path / "out", "g1", method="gmr", end=0.5, fps=60,
+                   quality=False)
+    found = packs.clips_of(tmp_path / "out")
+    made = packs.write_lerobot(found, tmp_path / "set", robot="g1")
+    assert json.loads((made / "meta/info.json").read_text())["fps"] == 60
+    # `fps` replaces the recorded rate, and mixed rates are an error.
+    made = packs.write_lerobot(found, tmp_path / "set", robot="g1", fps=30, replace=True)
+    assert json.loads((made / "meta/info.json").read_text())["fps"] == 30
+    found["zero"] = found["wave"]
+    found.csv_rates["zero"] = 50.0
+    with pytest.raises(retarget.UsageError, match="50 frames per second, expected 60"):
+        packs.write_motion_v1(found, tmp_path / "mixed", robot="g1")
+
+
 # --- LeRobot ---
 
 

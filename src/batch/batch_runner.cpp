@@ -159,7 +159,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
     return file.substr(context_.output_folder.size() + 1);
   };
   for (const std::string& file : files) {
-    RETARGET_TRY_ASSIGN(auto record, record_file(file, below_output(file)));
+    RETARGET_TRY_ASSIGN(auto record, record_file(file, below_output(file), FileUse::kOutput));
     entry.outputs.push_back(std::move(record));
   }
   for (const Error& error : outcome->left_out) {
@@ -217,7 +217,8 @@ void BatchWorker::remove_outputs(const BatchTask& task,
 
 Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
                                 ManifestEntry& entry) const {
-  RETARGET_TRY_ASSIGN(entry.input, record_file(task.input->path, task.input->path));
+  RETARGET_TRY_ASSIGN(entry.input,
+                      record_file(task.input->path, task.input->path, FileUse::kInput));
   const std::string output = context_.output_folder + "/" + task.robot->folder +
                              batch_output(task.robot->run.options.save, task.input->relative);
   std::error_code error;
@@ -243,11 +244,12 @@ std::optional<ManifestEntry> BatchWorker::done_already(const BatchTask& task) co
   // Record the new timestamps, so that the next run need not read the files.
   ManifestEntry entry = *task.candidate;
   if (!task.input->signature.empty()) entry.signature = task.input->signature;
-  const auto input = record_file(task.input->path, task.input->path);
+  const auto input = record_file(task.input->path, task.input->path, FileUse::kInput);
   if (!input || input->hash != entry.input.hash) return std::nullopt;
   entry.input = *input;
   for (FileRecord& output : entry.outputs) {
-    const auto now = record_file(context_.output_folder + "/" + output.file, output.file);
+    const auto now =
+        record_file(context_.output_folder + "/" + output.file, output.file, FileUse::kOutput);
     if (!now || now->hash != output.hash) return std::nullopt;
     output = *now;
   }

@@ -1,18 +1,14 @@
 #include "batch/data_set.h"
 
-#include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "batch/batch_report.h"
 #include "batch/batch_runner.h"
 #include "batch/certify_clip.h"
 #include "batch/duplicates.h"
-#include "retarget/file.h"
 #include "retarget/measure.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"
@@ -23,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Searches original clips only: a mirror image or variation created by the batch is left out with its original.
+// Searches original clips only: a mirror image or variation created by the batch is left out with
+// its original.
 void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::string>* asked) {
   const auto counts = [asked](const ManifestEntry& entry) {
     return asked == nullptr || asked->contains(entry.relative);
@@ -46,21 +43,6 @@ void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::s
       entry.repeated.reset();
     }
   }
-}
-
-// Names with line ends would break a list.
-bool fits_line(const std::string& name) {
-  return name.find_first_of("\r\n") == std::string::npos;
-}
-
-std::string cell_of(const std::string& text) {
-  std::string cell;
-  // Prevent spreadsheets from interpreting the cell as a formula.
-  if (!text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos) {
-    cell = "'";
-  }
-  for (const char c : text) cell += c == '\t' || c == '\r' || c == '\n' ? ' ' : c;
-  return cell;
 }
 
 // The output itself, or its folder if the motion is a folder.
@@ -100,115 +82,6 @@ std::vector<std::string> motions_of(const ManifestEntry& entry) {
   return motions;
 }
 
-namespace {
-
-// A sorted list of files, one per line.
-class FileList {
- public:
-  void add(const ManifestEntry& entry) {
-    for (const std::string& file : motions_of(entry)) {
-      if (fits_line(file)) {
-        files_.insert(file);
-      } else {
-        ++left_out_;
-      }
-    }
-  }
-  [[nodiscard]] std::string text() const {
-    std::string text;
-    for (const std::string& file : files_) text += file + "\n";
-    return text;
-  }
-  [[nodiscard]] std::size_t left_out() const { return left_out_; }
-
- private:
-  std::set<std::string> files_;
-  std::size_t left_out_ = 0;
-};
-
-// A set with the name of its list and its purpose for messages.
-struct SplitList {
-  SplitSide side;
-  const char* file;
-  const char* purpose;
-};
-constexpr std::array kSplitLists = {
-    SplitList{SplitSide::kTrain, "train.txt", "training"},
-    SplitList{SplitSide::kValidation, "validation.txt", "validation"},
-    SplitList{SplitSide::kTest, "test.txt", "testing"}};
-
-void warn_of_old_list(const std::string& path, Observer& observer) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) return;
-  observer.warn({{0, 0,
-                  "this list is from an earlier call and was not updated; " RETARGET_OPTION(
-                      "split") " updates it"}},
-                path);
-}
-
-std::string rule_text(const SplitGroups& groups) {
-  std::string rule = groups.by_subject == 0 ? "no file name identifies a subject: "
-                                            : count_text(groups.by_subject, "group") +
-                                                  " by the subject in the file names";
-  if (groups.by_file > 0) {
-    rule += (groups.by_subject == 0 ? "" : ", ") + count_text(groups.by_file, "group") + " by file";
-  }
-  if (groups.joined > 0) {
-    rule += fmt::format("; {} joined with others that have the same input or its mirror image",
-                        count_text(groups.joined, "group"));
-  }
-  return rule;
-}
-
-// Without signatures, mirror images under other names are not recognised.
-void note_unsigned(const std::vector<const ManifestEntry*>& passed, Observer& observer) {
-  const auto count = std::ranges::count_if(passed, [](const ManifestEntry* entry) {
-    return !entry->variant.is_derived() && entry->signature.empty();
-  });
-  if (count == 0) return;
-  observer.line("", "mirror images of " + count_text(count, "clip") +
-                        " are identified only by their names; " RETARGET_OPTION(
-                            "resume") " with " RETARGET_OPTION("split") " compares the motions");
-}
-
-Result<void> write_split(const std::string& folder, const std::vector<const ManifestEntry*>& passed,
-                         const Split& split, Observer& observer) {
-  const SplitGroups groups = split_groups(passed);
-  RETARGET_TRY_ASSIGN(const std::vector<SplitSide> sides, split_clips(groups.keys, split));
-  std::string text;
-  for (const SplitList& list : kSplitLists) {
-    const std::string path = folder + "/" + list.file;
-    if (list.side == SplitSide::kTest && split.test <= 0.0) {
-      warn_of_old_list(path, observer);
-      continue;
-    }
-    FileList files;
-    std::set<std::string_view> keys;
-    std::size_t clips = 0;
-    for (std::size_t i = 0; i < passed.size(); ++i) {
-      if (sides[i] != list.side) continue;
-      files.add(*passed[i]);
-      keys.insert(groups.keys[i]);
-      ++clips;
-    }
-    RETARGET_TRY(write_file(path, files.text()));
-    text += fmt::format("{}{} of {} for {}", text.empty() ? "" : ", ", count_text(clips, "clip"),
-                        count_text(keys.size(), "group"), list.purpose);
-  }
-  observer.line("split", text);
-  if (passed.empty()) return {};
-  observer.line("", rule_text(groups));
-  note_unsigned(passed, observer);
-  return {};
-}
-
-// Warns of lists from an earlier call that this call does not update.
-void warn_of_old_lists(const std::string& folder, Observer& observer) {
-  for (const SplitList& list : kSplitLists) warn_of_old_list(folder + "/" + list.file, observer);
-}
-
-}  // namespace
-
 Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
   DataSetRules rules;
   if (!request.gates.empty() && !request.quality) {
@@ -226,6 +99,7 @@ Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
     RETARGET_TRY(check_certified_gates(*rules.gates, merging || request.certify));
   }
   if (!merging || request.dedupe) rules.dedupe = request.dedupe;
+  rules.check_files = merging;
   if (!request.split.empty()) {
     RETARGET_TRY_ASSIGN(rules.split, parse_split(request.split));
   }
@@ -250,10 +124,25 @@ void judge_quality(const Gates& gates, ClipQuality& quality) {
   quality.worst_ratio = judged.worst_ratio;
 }
 
+namespace {
+
+// A clip that was not measured has no value for any gate.
+void judge_entry(const Gates& gates, ManifestEntry& entry) {
+  if (entry.quality) {
+    judge_quality(gates, *entry.quality);
+  } else if (entry.done) {
+    ClipQuality unknown;
+    judge_quality(gates, unknown);
+    if (!unknown.missed.empty()) entry.quality = std::move(unknown);
+  }
+}
+
+}  // namespace
+
 void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
                    const std::set<std::string>* asked) {
   for (ManifestEntry& entry : entries) {
-    if (rules.gates && entry.quality) judge_quality(*rules.gates, *entry.quality);
+    if (rules.gates) judge_entry(*rules.gates, entry);
     if (rules.dedupe == false && entry.done) entry.repeated.reset();
   }
   if (rules.dedupe == true) find_repetitions(entries, asked);
@@ -277,57 +166,6 @@ std::string reason_of(const ManifestEntry& entry) {
     reason += (reason.empty() ? "" : "; ") + (known ? missed_text(*gate) : text);
   }
   return reason;
-}
-
-Result<void> write_lists(const std::string& folder, const std::vector<ManifestEntry>& entries,
-                         const DataSetRules& rules, Observer& observer) {
-  FileList passed_files;
-  std::vector<const ManifestEntry*> passed;
-  std::string failed = "file\treason\trobot\n", repeated = "file\tof\tkind\tdistance_deg\trobot\n";
-  std::size_t missing = 0, repeating = 0, failing = 0;
-  for (const ManifestEntry& entry : entries) {
-    if (has_passed(entry)) {
-      passed_files.add(entry);
-      passed.push_back(&entry);
-    } else if (entry.repeated) {
-      ++repeating;
-      repeated +=
-          fmt::format("{}\t{}\t{}\t{:.2f}\t{}\n", cell_of(entry.relative),
-                      cell_of(entry.repeated->of), entry.repeated->mirrored ? "mirrored" : "same",
-                      entry.repeated->distance, cell_of(entry.robot));
-    } else {
-      ++(entry.done ? missing : failing);
-      failed += fmt::format("{}\t{}\t{}\n", cell_of(entry.relative), cell_of(reason_of(entry)),
-                            cell_of(entry.robot));
-    }
-  }
-  RETARGET_TRY(write_file(folder + "/passed.txt", passed_files.text()));
-  RETARGET_TRY(write_file(folder + "/failed.tsv", failed));
-  std::error_code ignored;
-  const bool earlier = fs::exists(folder + "/duplicates.tsv", ignored);
-  if (rules.dedupe == true || repeating > 0 || earlier) {
-    RETARGET_TRY(write_file(folder + "/duplicates.tsv", repeated));
-  }
-  if (passed_files.left_out() > 0) {
-    observer.warn({{0, 0,
-                    count_text(passed_files.left_out(), "file") +
-                        " with a line break in the name cannot be listed and is skipped"}},
-                  folder + "/passed.txt");
-  }
-  std::string text = fmt::format("{} of {} in {}/passed.txt", passed.size(),
-                                 count_text(entries.size(), "clip"), folder);
-  if (missing > 0) text += fmt::format("; {} {} a gate", missing, missing == 1 ? "misses" : "miss");
-  if (failing > 0) text += fmt::format("; {} failed", failing);
-  if (repeating > 0) {
-    text += fmt::format("; {} {}, see duplicates.tsv", repeating,
-                        repeating == 1 ? "repeats another" : "repeat others");
-  }
-  observer.line("passed", text);
-  if (!rules.split) {
-    warn_of_old_lists(folder, observer);
-    return {};
-  }
-  return write_split(folder, passed, *rules.split, observer);
 }
 
 }  // namespace retarget

@@ -20,6 +20,8 @@ struct DataSetRules {
   /// Whether to search for duplicate clips; empty: keep the recorded results.
   std::optional<bool> dedupe;
   std::optional<Split> split;  ///< Empty: do not write lists of a split.
+  /// Whether to list only motions whose files are in place. A run has just checked or written them.
+  bool check_files = false;
 };
 
 /// The rules of a request. kUsage errors: invalid gates or split, gates without measuring.
@@ -31,7 +33,8 @@ struct DataSetRules {
 /// has no certificate.
 void judge_quality(const Gates& gates, ClipQuality& quality);
 
-/// Applies the rules to entries again, using recorded data only; nothing is solved or measured.
+/// Applies the rules to entries again, using recorded data only; nothing is solved or measured. An
+/// unmeasured clip misses the gates that name a metric.
 /// @param entries  one per clip and robot, sorted by relative path.
 /// @param asked    relative names of the clips among which duplicates are searched; null: all.
 void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
@@ -50,7 +53,7 @@ void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rule
 
 /// Writes passed.txt, failed.tsv, duplicates.tsv (with `dedupe`, or if a clip was left out as a
 /// duplicate) and, with a split, train.txt, validation.txt and possibly test.txt into the folder of
-/// a batch. Reports their sizes.
+/// a batch. Reports their sizes. Motions whose names contain line breaks cannot be listed.
 [[nodiscard]] Result<void> write_lists(const std::string& folder,
                                        const std::vector<ManifestEntry>& entries,
                                        const DataSetRules& rules, Observer& observer);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -71,7 +72,7 @@ class InputFinder {
   void add_input(const std::string& path, const std::string& relative,
                  const std::optional<FileFacts>& facts);
   [[nodiscard]] bool is_motion(const std::string& name) const;
-  [[nodiscard]] bool is_excluded(const std::string& relative) const;
+  [[nodiscard]] bool is_excluded(const std::string& relative);
   [[nodiscard]] Result<std::string> below(const std::string& path, const std::string& base) const;
 
   const InputSearch& search_;
@@ -79,13 +80,18 @@ class InputFinder {
   std::vector<os::FileId> above_;  // The folder being read and its ancestors.
   FoundInputs found_;
   int hidden_ = 0, excluded_ = 0;
+  std::set<std::string> used_patterns_;
 };
 
-bool InputFinder::is_excluded(const std::string& relative) const {
+bool InputFinder::is_excluded(const std::string& relative) {
   const std::string name = fs::path(relative).filename().generic_string();
-  return std::ranges::any_of(search_.exclude, [&](const std::string& pattern) {
-    return matches_pattern(pattern, relative) || matches_pattern(pattern, name);
-  });
+  bool excluded = false;
+  for (const std::string& pattern : search_.exclude) {
+    if (!matches_pattern(pattern, relative) && !matches_pattern(pattern, name)) continue;
+    used_patterns_.insert(pattern);
+    excluded = true;
+  }
+  return excluded;
 }
 
 void InputFinder::add_input(const std::string& path, const std::string& relative,
@@ -122,7 +128,8 @@ void InputFinder::add_entry(const fs::directory_entry& entry, const std::string&
     ++hidden_;
   } else if (!status || status->kind == os::EntryKind::kRegular) {
     // Includes dangling links, which fail when read, so that the missing clip is noticed.
-    add_input(entry.path().generic_string(), below_root, facts_of(entry.path().generic_string()));
+    add_input(entry.path().generic_string(), below_root,
+              facts_of(entry.path().generic_string(), FileUse::kInput));
   } else {
     found_.notes.push_back("skipped " + entry.path().generic_string() + ": not a file");
   }
@@ -143,7 +150,7 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
   }
   if (search_.of_robots && is_sonic_folder(folder.generic_string())) {
     add_input(folder.generic_string(), relative.empty() ? name_of_folder(folder) : relative,
-              facts_of(folder.generic_string()));
+              facts_of(folder.generic_string(), FileUse::kInput));
     return;
   }
   std::error_code error;
@@ -200,7 +207,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
                          "retarget " RETARGET_OPTION("bvh") " reads one");
   }
   RETARGET_TRY_ASSIGN(const auto relative, below(path, base));
-  add_input(path, relative, facts_of(path));
+  add_input(path, relative, facts_of(path, FileUse::kInput));
   return {};
 }
 
@@ -249,12 +256,15 @@ Result<FoundInputs> InputFinder::run() {
     RETARGET_TRY(add_list(list));
   }
   if (hidden_ > 0) {
-    found_.notes.push_back("skipped " + std::to_string(hidden_) +
-                           " files named ._*, created by macOS archives");
+    found_.notes.push_back("skipped " + count_text(hidden_, "file") +
+                           " named ._*, created by macOS archives");
   }
   if (excluded_ > 0) {
-    found_.notes.push_back("skipped " + std::to_string(excluded_) +
-                           " files because of " RETARGET_OPTION("exclude"));
+    found_.notes.push_back("skipped " + count_text(excluded_, "file") +
+                           " because of " RETARGET_OPTION("exclude"));
+  }
+  for (const std::string& pattern : search_.exclude) {
+    if (!used_patterns_.contains(pattern)) found_.unused_patterns.push_back(pattern);
   }
   if (found_.inputs.empty()) {
     return input_failure(

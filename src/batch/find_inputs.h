@@ -98,6 +98,7 @@ struct InputSearch {
 struct FoundInputs {
   std::vector<BatchInput> inputs;  ///< Sorted by relative path, then path, without duplicates.
   std::vector<std::string> notes;  ///< Skipped files with reasons, one line each.
+  std::vector<std::string> unused_patterns;  ///< Patterns of InputSearch::exclude without a match.
 };
 
 /// Finds the motion files: single files, and in folders every file whose name has the extension of

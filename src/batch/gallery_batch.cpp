@@ -102,7 +102,8 @@ RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry) {
   RecordedFile source;
   for (const std::string& place : places_of(batch, entry.input.file)) {
     source.is_there = source.is_there || is_file(place);
-    if (source.path.empty() && has_recorded_content(entry.input, place)) source.path = place;
+    if (source.path.empty() && has_recorded_content(entry.input, place, FileUse::kInput))
+      source.path = place;
   }
   return source;
 }
@@ -118,7 +119,7 @@ RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry) {
   motion.is_there = !path.empty() && is_file(path);
   for (const FileRecord& output : entry.outputs) {
     if ((fs::path(batch.folder) / output.file).generic_string() != path) continue;
-    if (has_recorded_content(output, path)) motion.path = path;
+    if (has_recorded_content(output, path, FileUse::kOutput)) motion.path = path;
   }
   return motion;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "batch/batch_report.h"
+#include "batch/merge_checks.h"
 #include "batch/output_tree.h"
 #include "retarget/file.h"
 #include "retarget/option_name.h"
@@ -80,9 +81,8 @@ void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) 
   const auto measured = std::ranges::count_if(
       entries, [](const ManifestEntry& entry) { return entry.quality.has_value(); });
   if (measured == 0) return;
-  observer.line("quality",
-                std::to_string(missed.size()) + " of " + std::to_string(measured) +
-                    (missed.size() == 1 ? " motions misses a gate" : " motions miss a gate"));
+  observer.line("quality", std::to_string(missed.size()) + " of " + count_text(measured, "motion") +
+                               " missed a gate");
   std::ranges::stable_sort(missed, std::ranges::greater{}, [](const ManifestEntry* entry) {
     return std::pair(entry->quality->missed.size(), entry->quality->worst_ratio);
   });
@@ -192,7 +192,7 @@ bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
 }
 
 Result<void> finish_manifests(const std::string& folder, const Shard& shard,
-                              const std::set<std::string>& known, const DataSetRules& rules,
+                              const BatchSelection& selection, const DataSetRules& rules,
                               Observer& observer) {
   const std::string path = folder + "/" + shard_file_name(kStem, shard, kFileEnding);
   RETARGET_TRY_ASSIGN(auto own, read_entries(path, observer));
@@ -204,8 +204,9 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
     append_to(entries, std::move(more));
   }
   entries = latest_entries(std::move(entries));
-  std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
-  judge_entries(entries, rules, &known);
+  std::erase_if(entries,
+                [&](const ManifestEntry& entry) { return is_gone(entry, selection.clips); });
+  judge_entries(entries, rules, &selection.clips);
   RETARGET_TRY(write_file(path, lines_of(entries)));
   // The merged manifest is on disk, so the parts are no longer needed.
   std::error_code ignored;
@@ -218,9 +219,9 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
     return {};
   }
   RETARGET_TRY(write_summary(folder, entries, observer));
-  // Clips of other calls do not belong to this call's data set.
+  // Clips and robots of other calls do not belong to this call's data set.
   const std::size_t unrequested = std::erase_if(
-      entries, [&](const ManifestEntry& entry) { return !known.contains(entry.relative); });
+      entries, [&](const ManifestEntry& entry) { return !selection.contains(entry); });
   if (unrequested > 0) {
     observer.line("lists", count_text(unrequested, "clip") +
                                " of the manifest are not part of this call and not listed");
@@ -234,35 +235,41 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   const std::string path = folder + "/" + kStem + kFileEnding;
   const std::vector<std::string> parts = manifests_beside(folder, path);
   std::error_code ignored;
-  // For equal times, later entries in this list take precedence: parts are newer than the whole.
-  std::vector<std::string> all;
-  if (fs::exists(path, ignored)) all.push_back(path);
-  all.insert(all.end(), parts.begin(), parts.end());
+  std::vector<std::string> others = parts;
   for (const std::string& name : further) {
     if (!fs::exists(name, ignored)) return input_failure(name, "no such manifest");
-    all.push_back(name);
+    others.push_back(name);
   }
-  std::vector<ManifestEntry> entries;
-  for (const std::string& name : all) {
+  // For equal times, later entries take precedence: parts are newer than the whole.
+  const bool has_whole = fs::exists(path, ignored);
+  RETARGET_TRY_ASSIGN(std::vector<ManifestEntry> entries, read_entries(path, observer));
+  std::vector<ManifestEntry> of_others;
+  for (const std::string& name : others) {
     RETARGET_TRY_ASSIGN(auto read, read_entries(name, observer));
-    append_to(entries, std::move(read));
+    append_to(of_others, std::move(read));
   }
+  const MissingShards missing = missing_shards(others, entries, of_others);
+  append_to(entries, std::move(of_others));
   if (entries.empty()) return input_failure(folder, "no batch manifest to merge");
   entries = latest_entries(std::move(entries));
   judge_entries(entries, rules);
   if (rules.dedupe == true) warn_of_unsigned(entries, path, observer);
+  warn_of_mixed_options(entries, path, observer);
+  warn_of_missing_shards(missing, folder, observer);
   RETARGET_TRY(write_file(path, lines_of(entries)));
-  // The merged manifest is on disk, so the parts are no longer needed.
-  for (const std::string& part : parts) fs::remove(part, ignored);
+  // The merged manifest is on disk. The parts are needed only to find the missing ones next time.
+  for (const std::string& part : parts) {
+    if (missing.count == 0) fs::remove(part, ignored);
+  }
   remove_unfinished(folder, output_folders(folder, entries));
   const std::size_t failed = failed_among(entries);
-  observer.line("merged", count_text(all.size(), "manifest") + ", " +
+  observer.line("merged", count_text(others.size() + (has_whole ? 1 : 0), "manifest") + ", " +
                               count_text(entries.size(), "clip") + ", " + std::to_string(failed) +
                               " failed");
   observer.line("wrote", path);
   RETARGET_TRY(write_summary(folder, entries, observer));
   RETARGET_TRY(write_lists(folder, entries, rules, observer));
-  return failed;
+  return failed + missing.count;
 }
 
 }  // namespace retarget

@@ -37,6 +37,16 @@ struct BatchManifests {
   std::vector<ManifestEntry> others;  ///< Entries of other parts.
 };
 
+/// The clips of a call, for its robots.
+struct BatchSelection {
+  std::set<std::string> clips;  ///< BatchInput::relative, including those of other shards.
+  std::set<std::string> robots;
+
+  [[nodiscard]] bool contains(const ManifestEntry& entry) const {
+    return clips.contains(entry.relative) && robots.contains(entry.robot);
+  }
+};
+
 /// `STEMend`, or `STEM.2-of-8end` for a part of a batch.
 [[nodiscard]] std::string shard_file_name(const std::string& stem, const Shard& shard,
                                           const std::string& end);
@@ -54,15 +64,17 @@ struct BatchManifests {
 
 /// Compacts the manifest of a finished batch to one line per clip and robot. If the batch is not a
 /// shard, also merges the manifests of shards like merge_manifests, drops clips that are gone,
-/// applies the rules to all entries, and writes summary.csv and the lists of passed motions.
+/// applies the rules to all entries, and writes summary.csv and, for the selected motions, the lists
+/// of passed ones.
 [[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
-                                            const std::set<std::string>& known,
+                                            const BatchSelection& selection,
                                             const DataSetRules& rules, Observer& observer);
 
 /// Merges the manifests of all parts in the folder, and further ones, into manifest.jsonl. Applies
 /// the rules to all entries, writes summary.csv and the lists of passed motions, and removes
-/// unfinished outputs of killed parts.
-/// @return the number of failed clips.
+/// unfinished outputs of killed parts. Warns of missing shards and of clips with different options.
+/// The manifests of parts are removed, unless a shard is missing.
+/// @return the number of failed clips and missing shards.
 [[nodiscard]] Result<std::size_t> merge_manifests(const std::string& folder,
                                                   const std::vector<std::string>& further,
                                                   const DataSetRules& rules, Observer& observer);

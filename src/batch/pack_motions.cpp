@@ -31,6 +31,21 @@ bool is_packed_format(MotionFormat format) {
   return format_ending(format) == kPackedEnding;
 }
 
+Failure pack_format_failure() {
+  return usage_failure(
+      RETARGET_OPTION(
+          "pack") " requires exactly one of the formats npz-mjlab, npz-beyondmimic and "
+                  "npz-holosoma",
+      "choose it with " RETARGET_OPTION("format"));
+}
+
+// Whether a clip is done in formats that cannot be packed. It may be too short for one that can.
+bool is_of_other_formats(const ManifestEntry& entry) {
+  const auto is_packed = [](const auto& file) { return file.file.ends_with(kPackedEnding); };
+  return entry.done && std::ranges::none_of(entry.outputs, is_packed) &&
+         std::ranges::none_of(entry.not_written, is_packed);
+}
+
 // A clip to be packed.
 struct PackedClip {
   std::string name;                    // Relative path without extension.
@@ -81,9 +96,11 @@ class MotionPack {
   }
 
   static Result<void> check_record(const PackedClip& clip) {
-    const RecordState state = look_at(*clip.record, clip.path);
+    const RecordState state = look_at(*clip.record, clip.path, FileUse::kOutput);
     if (state == RecordState::kSame) return {};
-    if (state == RecordState::kUnsure && has_recorded_content(*clip.record, clip.path)) return {};
+    if (state == RecordState::kUnsure &&
+        has_recorded_content(*clip.record, clip.path, FileUse::kOutput))
+      return {};
     std::error_code ignored;
     const bool there = fs::exists(clip.path, ignored);
     return input_failure(clip.path,
@@ -168,26 +185,25 @@ Result<void> check_pack_name(const std::string& name) {
 
 Result<void> check_pack_format(const SaveOptions& options) {
   if (std::ranges::count_if(options.formats, is_packed_format) == 1) return {};
-  return usage_failure(
-      RETARGET_OPTION(
-          "pack") " requires exactly one of the formats npz-mjlab, npz-beyondmimic and "
-                  "npz-holosoma",
-      "choose it with " RETARGET_OPTION("format"));
+  return pack_format_failure();
 }
 
 Result<void> pack_motions(const std::string& folder, const BatchRequest& request,
-                          Observer& observer) {
+                          const BatchSelection* selection, Observer& observer) {
   const auto interrupts = observer.hold_interrupts();
   RETARGET_TRY_ASSIGN(auto manifest, read_manifest(folder + "/manifest.jsonl"));
   const std::vector<ManifestEntry> entries = latest_entries(std::move(manifest.entries));
   std::map<std::string, std::vector<PackedClip>> packs;  // By folder.
   for (const ManifestEntry& entry : entries) {
-    if (!entry.done) continue;
+    if (!entry.done || (selection != nullptr && !selection->contains(entry))) continue;
     RETARGET_TRY_ASSIGN(const FileRecord* output, packed_output(entry, request.run.options.save));
     if (output == nullptr) continue;
     auto& clips = packs[place_of(folder, entry, *output)];
     if (!has_passed(entry)) continue;
     clips.push_back({output_stem(entry.relative), output, folder + "/" + output->file});
+  }
+  if (packs.empty() && std::ranges::any_of(entries, is_of_other_formats)) {
+    return pack_format_failure();
   }
   if (packs.empty()) packs[folder];
   for (auto& [place, clips] : packs) {

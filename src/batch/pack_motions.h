@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "batch/manifests.h"
 #include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/options.h"
@@ -21,8 +22,10 @@ namespace retarget {
 /// its own file.
 ///
 /// Only one clip is in memory at a time. Errors: files that are missing, changed, or differ from
-/// the first one in rate, joints, bodies or arrays (kInput); kInterrupted.
+/// the first one in rate, joints, bodies or arrays (kInput); a batch of other formats (kUsage);
+/// kInterrupted.
+/// @param selection  clips and robots to pack; null: all.
 [[nodiscard]] Result<void> pack_motions(const std::string& folder, const BatchRequest& request,
-                                        Observer& observer);
+                                        const BatchSelection* selection, Observer& observer);
 
 }  // namespace retarget

@@ -26,7 +26,7 @@ struct ProcessPoolOptions {
   /// Called first in every worker process.
   std::function<void()> begin_worker;
   /// Polled ten times per second while tasks run. When it returns false, no further task begins and
-  /// busy processes get one SIGTERM, which asks them to finish quickly.
+  /// busy processes get one SIGTERM from this process, which asks them to finish quickly.
   std::function<bool()> keep_going;
 };
 
@@ -37,7 +37,8 @@ struct TaskEnd {
   bool timed_out = false;  ///< The task exceeded its time limit.
   int signal = 0;          ///< Signal that ended the process; 0: it exited by itself.
   std::string signal_name;
-  bool was_killed = false;  ///< By SIGKILL, which the system sends when memory runs out.
+  /// By SIGKILL or SIGTERM, which the system and its daemons send when memory runs out.
+  bool was_killed = false;
 };
 
 /// Runs tasks 0, 1, ... in several processes, one task per process at a time. Tasks start in order

@@ -115,8 +115,28 @@ void close_all_from(int first) {
 
 constexpr int kTasks = 3, kAnswers = 4, kOthers = 5;
 
+// While alive, holds back SIGTERM, so that a new process gets it only after it has its own handler.
+class HeldTermination {
+ public:
+  HeldTermination() {
+    sigset_t held;
+    sigemptyset(&held);
+    sigaddset(&held, SIGTERM);
+    ::sigprocmask(SIG_BLOCK, &held, &before_);
+  }
+  ~HeldTermination() { release(); }
+  HeldTermination(const HeldTermination&) = delete;
+  HeldTermination& operator=(const HeldTermination&) = delete;
+
+  void release() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_{};
+};
+
 // Runs tasks until the pipe closes. Returns false if it could not start.
-bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& actions) {
+bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& actions,
+           const HeldTermination& held) {
   // Move both descriptors away from the numbers that they will be duplicated to.
   const int other_tasks = ::fcntl(tasks, F_DUPFD, kOthers);
   const int other_answers = ::fcntl(answers, F_DUPFD, kOthers);
@@ -128,6 +148,7 @@ bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& a
   // The parent may have ended before prctl() took effect.
   if (::getppid() != parent) return false;
   if (actions.begin) actions.begin();
+  held.release();
   std::uint64_t task = 0;
   while (read_all(kTasks, &task, sizeof task)) {
     const std::string answer = actions.work(static_cast<std::size_t>(task));
@@ -152,11 +173,12 @@ Result<WorkerProcess> WorkerProcess::start(const Actions& actions) {
     return start_failure(error_number);
   }
   const pid_t parent = ::getpid();
+  const HeldTermination held;
   const pid_t id = ::fork();
   const int error_number = errno;
   if (id == 0) {
     // Never return into the caller or destroy the parent's objects in the child.
-    actions.end(serve(parent, tasks[0], answers[1], actions) ? 0 : 1);
+    actions.end(serve(parent, tasks[0], answers[1], actions, held) ? 0 : 1);
     for (;;) ::pause();
   }
   ::close(tasks[0]);
@@ -315,16 +337,25 @@ class Pool {
     } else {
       end.timed_out = slot.ended_by_us;
       end.signal = slot.process->wait();
-      end.was_killed = end.signal == SIGKILL;
+      end.was_killed = end.signal == SIGKILL || end.signal == SIGTERM;
       if (end.signal != 0) end.signal_name = ::strsignal(end.signal);
       slot.process.reset();
     }
     const std::size_t task = *slot.task;
     slot.task.reset();
     tasks_.end(task);
+    if (end.signal == SIGTERM) wait_for_own_signal();
     // Feed the process before reporting the result. If feeding fails, it is tried again later.
     [[maybe_unused]] const auto fed = feed(slot);
     ended_(task, end);
+  }
+
+  // A signal to all processes of the batch, one by one, may reach this one last. Then its tasks did
+  // not fail, and no further one should start.
+  void wait_for_own_signal() {
+    if (stopped_) return;
+    ::poll(nullptr, 0, kPauseMs);
+    ask_whether_to_go_on();
   }
 
   void end_late_ones() {

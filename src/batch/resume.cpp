@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <set>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "retarget/file.h"
 #include "retarget/file_endings.h"
@@ -33,42 +35,60 @@ FileFacts facts_of_all(const std::vector<std::filesystem::path>& files) {
   return all;
 }
 
+// The sidecar that decides how an input is read; empty if there is none.
+std::string sidecar_of_input(const std::string& path, FileUse use) {
+  if (use != FileUse::kInput || !is_robot_ending(ending_of(path))) return {};
+  const std::string sidecar = path + ".json";
+  return is_file(sidecar) ? sidecar : std::string();
+}
+
+Result<std::string> hash_of(const std::string& path, FileUse use) {
+  RETARGET_TRY_ASSIGN(std::string hash, motion_hash(path));
+  const std::string sidecar = sidecar_of_input(path, use);
+  if (sidecar.empty()) return hash;
+  RETARGET_TRY_ASSIGN(const std::string of_sidecar, hash_file(sidecar));
+  return hash_bytes(hash + " " + of_sidecar);
+}
+
 }  // namespace
 
-std::optional<FileFacts> facts_of(const std::string& path) {
+std::optional<FileFacts> facts_of(const std::string& path, FileUse use) {
   const auto status = os::status_of(path);
   if (!status) return std::nullopt;
   if (status->kind == os::EntryKind::kRegular) {
     std::vector<std::filesystem::path> files = companion_files(path);
     files.emplace_back(path);
+    if (auto sidecar = sidecar_of_input(path, use); !sidecar.empty()) {
+      files.emplace_back(std::move(sidecar));
+    }
     return facts_of_all(files);
   }
   if (status->kind != os::EntryKind::kFolder || !is_sonic_folder(path)) return std::nullopt;
   return facts_of_all(files_in_folder(path));
 }
 
-Result<FileRecord> record_file(const std::string& path, std::string name) {
+Result<FileRecord> record_file(const std::string& path, std::string name, FileUse use) {
   const auto status = os::status_of(path);
   if (!status) {
     return input_failure(path, "cannot read the file: " + std::generic_category().message(errno));
   }
-  const auto facts = facts_of(path);
+  const auto facts = facts_of(path, use);
   if (!facts && status->kind == os::EntryKind::kFolder)
     return input_failure(path, "this folder cannot be read");
   if (!facts) return input_failure(path, "cannot read the file: not a file");
-  RETARGET_TRY_ASSIGN(auto hash, motion_hash(path));
+  RETARGET_TRY_ASSIGN(auto hash, hash_of(path, use));
   return FileRecord{std::move(name), facts->bytes, facts->modified_ns, std::move(hash)};
 }
 
-RecordState look_at(const FileRecord& record, const std::string& path) {
-  const auto facts = facts_of(path);
+RecordState look_at(const FileRecord& record, const std::string& path, FileUse use) {
+  const auto facts = facts_of(path, use);
   if (!facts || facts->bytes != record.bytes) return RecordState::kChanged;
   return facts->modified_ns == record.modified_ns ? RecordState::kSame : RecordState::kUnsure;
 }
 
-bool has_recorded_content(const FileRecord& record, const std::string& path) {
-  if (look_at(record, path) == RecordState::kChanged) return false;
-  const auto hash = motion_hash(path);
+bool has_recorded_content(const FileRecord& record, const std::string& path, FileUse use) {
+  if (look_at(record, path, use) == RecordState::kChanged) return false;
+  const auto hash = hash_of(path, use);
   return hash && *hash == record.hash;
 }
 
@@ -95,10 +115,10 @@ FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string out
 
 RecordState FinishedClips::state_of(const ManifestEntry& entry,
                                     const std::string& input_path) const {
-  RecordState state = look_at(entry.input, input_path);
+  RecordState state = look_at(entry.input, input_path, FileUse::kInput);
   for (const FileRecord& output : entry.outputs) {
     if (state == RecordState::kChanged) break;
-    const RecordState found = look_at(output, output_folder_ + "/" + output.file);
+    const RecordState found = look_at(output, output_folder_ + "/" + output.file, FileUse::kOutput);
     if (found != RecordState::kSame) state = found;
   }
   return state;
@@ -127,7 +147,9 @@ std::string FinishedClips::signature_of(const std::string& relative,
   for (auto at = begin; at != end; ++at) {
     const ManifestEntry& entry = at->second;
     if (entry.options_hash != options_hash || entry.variant != variant) continue;
-    if (look_at(entry.input, input_path) == RecordState::kSame) return entry.signature;
+    if (look_at(entry.input, input_path, FileUse::kInput) == RecordState::kSame) {
+      return entry.signature;
+    }
   }
   return {};
 }
@@ -146,19 +168,21 @@ std::vector<std::string> FinishedClips::outputs_of(const std::string& relative,
   for (const FileRecord& output : found->second) {
     if (names.contains(output.file) || (verified && !lies_in(output_folder_, output.file)))
       continue;
-    if (verified && !has_recorded_content(output, output_folder_ + "/" + output.file)) continue;
+    const std::string path = output_folder_ + "/" + output.file;
+    if (verified && !has_recorded_content(output, path, FileUse::kOutput)) continue;
     names.insert(output.file);
   }
   return {names.begin(), names.end()};
 }
 
 bool FinishedClips::still_holds(const ManifestEntry& entry, const std::string& input_path) const {
-  const auto holds = [](const FileRecord& record, const std::string& path) {
-    return look_at(record, path) == RecordState::kSame || has_recorded_content(record, path);
+  const auto holds = [](const FileRecord& record, const std::string& path, FileUse use) {
+    return look_at(record, path, use) == RecordState::kSame ||
+           has_recorded_content(record, path, use);
   };
-  return holds(entry.input, input_path) &&
+  return holds(entry.input, input_path, FileUse::kInput) &&
          std::ranges::all_of(entry.outputs, [&](const FileRecord& output) {
-           return holds(output, output_folder_ + "/" + output.file);
+           return holds(output, output_folder_ + "/" + output.file, FileUse::kOutput);
          });
 }
 

@@ -17,13 +17,18 @@ struct FileFacts {
   std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
 };
 
-/// Total size and latest modification of a file and its companion_files(), or of the files of a
-/// folder that is a motion (SONIC). Returns nothing for anything else.
-[[nodiscard]] std::optional<FileFacts> facts_of(const std::string& path);
+/// How a batch uses a file. The sidecar next to a robot motion says how to read it, so that it
+/// belongs to an input. A sidecar that a batch writes next to its motion is an output of its own.
+enum class FileUse : unsigned char { kInput, kOutput };
 
-/// Records the current size, modification time and hash of a file.
+/// Total size and latest modification of a file, its companion_files() and the sidecar of an input,
+/// or of the files of a folder that is a motion (SONIC). Returns nothing for anything else.
+[[nodiscard]] std::optional<FileFacts> facts_of(const std::string& path, FileUse use);
+
+/// Records the current size, modification time and hash of a file with the files of facts_of().
 /// @param name  FileRecord::file.
-[[nodiscard]] Result<FileRecord> record_file(const std::string& path, std::string name);
+[[nodiscard]] Result<FileRecord> record_file(const std::string& path, std::string name,
+                                             FileUse use);
 
 /// Whether a file still matches its record.
 enum class RecordState {
@@ -33,10 +38,11 @@ enum class RecordState {
 };
 
 /// Compares without reading the file.
-[[nodiscard]] RecordState look_at(const FileRecord& record, const std::string& path);
+[[nodiscard]] RecordState look_at(const FileRecord& record, const std::string& path, FileUse use);
 
 /// Compares size and content.
-[[nodiscard]] bool has_recorded_content(const FileRecord& record, const std::string& path);
+[[nodiscard]] bool has_recorded_content(const FileRecord& record, const std::string& path,
+                                        FileUse use);
 
 /// Clips finished by earlier runs, by clip, robot and options.
 class FinishedClips {

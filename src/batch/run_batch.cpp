@@ -21,6 +21,7 @@
 #include "batch/input_variants.h"
 #include "batch/manifest.h"
 #include "batch/manifests.h"
+#include "batch/merge_checks.h"
 #include "batch/output_tree.h"
 #include "batch/pack_motions.h"
 #include "batch/resume.h"
@@ -60,6 +61,10 @@ Result<void> check_request(const BatchRequest& request) {
     return usage_failure(
         RETARGET_OPTION("resume") " and " RETARGET_OPTION("redo") " cannot be combined",
         "give only one of them");
+  }
+  if (request.seed != 0 && request.variants == 0) {
+    return usage_failure(RETARGET_OPTION("seed") " requires " RETARGET_OPTION("variants"),
+                         "it is the seed of their changes");
   }
   if (std::ranges::find(request.inputs, "-") != request.inputs.end()) {
     return usage_failure("a batch cannot read motions from standard input",
@@ -181,7 +186,7 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
 // Everything that a batch needs before its first clip.
 struct BatchPlan {
   std::vector<BatchInput> inputs;
-  std::set<std::string> known;  // Relative names, including those of other shards.
+  BatchSelection selection;
   std::list<BatchRobot> robots;
   std::vector<BatchTask> tasks;         // Tasks that remain.
   std::vector<ManifestEntry> left_out;  // Skipped duplicates.
@@ -218,6 +223,10 @@ Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer
   }
   RETARGET_TRY_ASSIGN(auto found, find_inputs(search));
   for (const std::string& note : found.notes) observer.line("inputs", note);
+  for (const std::string& pattern : found.unused_patterns) {
+    observer.warn(
+        {{0, 0, RETARGET_OPTION("exclude") " \"" + pattern + "\" matches no motion file"}}, {});
+  }
   RETARGET_TRY(check_distinct_outputs(found.inputs));
   std::vector<BatchInput> inputs = std::move(found.inputs);
   if (!rows.empty()) {
@@ -238,7 +247,7 @@ Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchP
   RETARGET_TRY(check_outputs_of(inputs, request));
   RETARGET_TRY(check_outputs_spared(inputs, request, folder_text(request.output), plan.robots));
   const std::size_t all = inputs.size();
-  for (const BatchInput& input : inputs) plan.known.insert(input.relative);
+  for (const BatchInput& input : inputs) plan.selection.clips.insert(input.relative);
   plan.inputs = take_shard(std::move(inputs), shard);
   observer.line("inputs",
                 count_text(plan.inputs.size(), "clip") +
@@ -293,7 +302,7 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   }
   std::vector<ManifestEntry> kept = latest_entries(manifests.own);
   std::erase_if(kept, [&](const ManifestEntry& entry) {
-    return redone.contains({entry.relative, entry.robot}) || is_gone(entry, plan.known);
+    return redone.contains({entry.relative, entry.robot}) || is_gone(entry, plan.selection.clips);
   });
   std::map<std::string_view, const std::string*> signatures;
   for (const BatchInput& input : plan.inputs) {
@@ -356,6 +365,7 @@ Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Obs
 Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Observer& observer) {
   BatchPlan plan;
   RETARGET_TRY_ASSIGN(plan.robots, load_batch_robots(request, observer));
+  for (const BatchRobot& robot : plan.robots) plan.selection.robots.insert(robot.name);
   RETARGET_TRY(plan_inputs(request, shard, plan, observer));
   return plan;
 }
@@ -405,24 +415,6 @@ Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& requ
   return failure(std::move(stopped));
 }
 
-// Refuses options that have no meaning when manifests are merged.
-Result<void> check_merge(const BatchRequest& request) {
-  const auto refused = [](const char* option) {
-    return usage_failure(
-        std::string(option) + " and " RETARGET_OPTION("merge") " cannot be combined",
-        RETARGET_OPTION("merge") " only joins manifests");
-  };
-  if (!request.clips.empty()) return refused(RETARGET_OPTION("clips"));
-  if (request.mirror) return refused(RETARGET_OPTION("mirror"));
-  if (request.certify) return refused(RETARGET_OPTION("certify"));
-  if (request.variants > 0) return refused(RETARGET_OPTION("variants"));
-  if (!request.exclude.empty()) return refused(RETARGET_OPTION("exclude"));
-  if (!request.shard.empty()) return refused(RETARGET_OPTION("shard"));
-  if (request.resume) return refused(RETARGET_OPTION("resume"));
-  if (request.redo) return refused(RETARGET_OPTION("redo"));
-  return {};
-}
-
 // Updates the gates recorded in options.json after they changed.
 Result<void> record_gates(const std::string& folder, const Gates& gates) {
   const std::string path = folder + "/options.json";
@@ -466,12 +458,12 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   manifest.reset();  // Windows does not replace open files.
   // A clip whose process was killed could not remove its unfinished outputs.
   if (alone) remove_unfinished(folder, folders);
-  if (failed) RETARGET_TRY(finish_manifests(folder, shard, plan.known, rules, observer));
+  if (failed) RETARGET_TRY(finish_manifests(folder, shard, plan.selection, rules, observer));
   if (failed && request.motion_list && shard.count == 1) {
     RETARGET_TRY(write_motion_lists(folder, observer));
   }
   if (failed && !request.pack.empty() && shard.count == 1) {
-    RETARGET_TRY(pack_motions(folder, request, observer));
+    RETARGET_TRY(pack_motions(folder, request, &plan.selection, observer));
   }
   return failed;
 }
@@ -490,7 +482,9 @@ Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer)
   auto failed = merge_manifests(folder, request.inputs, rules, observer);
   if (failed && rules.gates) RETARGET_TRY(record_gates(folder, *rules.gates));
   if (failed && request.motion_list) RETARGET_TRY(write_motion_lists(folder, observer));
-  if (failed && !request.pack.empty()) RETARGET_TRY(pack_motions(folder, request, observer));
+  if (failed && !request.pack.empty()) {
+    RETARGET_TRY(pack_motions(folder, request, nullptr, observer));
+  }
   return failed;
 }
 

@@ -116,6 +116,23 @@ Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate, 
       "give only one of them");
 }
 
+std::vector<Warning> range_doubts(const PartOptions& part, const FrameRate& rate, int frame_count) {
+  if (frame_count == 0) return {};
+  const std::size_t colon = part.frames.find(':');
+  if (colon != std::string::npos) {
+    const auto end = parse_bound(std::string_view(part.frames).substr(colon + 1), frame_count);
+    if (!end || *end - 1 <= frame_count) return {};
+    return {{0, 0,
+             "the frame range \"" + part.frames + "\" ends after the clip, which has " +
+                 extent_text(frame_count) + ": it is cut there"}};
+  }
+  // The last frame lasts for one period.
+  if (!(part.end_s * rate.fps() > frame_count + kTimeTolerance)) return {};
+  return {{0, 0,
+           "the end at " + seconds_text(part.end_s) + " is after the clip, which ends at " +
+               seconds_text(rate.time_of(frame_count - 1)) + ": the part is cut there"}};
+}
+
 namespace {
 
 constexpr double kJump = 0.1;          // Second difference, in spreads of the body.

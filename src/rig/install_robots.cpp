@@ -114,12 +114,24 @@ Result<void> check_robot_name(const std::string& name) {
                        "\" is not a valid robot name: it must be a valid folder name");
 }
 
+bool is_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path.empty() ? fs::path(".") : path, ignored);
+}
+
+// The parent of the folder may be missing, but not the parent's parent.
 Result<void> check_place(const fs::path& folder, const PutOptions& options) {
   const fs::path into = folder.parent_path();
-  std::error_code error;
-  if (!fs::is_directory(into.empty() ? fs::path(".") : into, error)) {
-    return usage_failure("the folder \"" + into.string() + "\" does not exist");
+  if (!is_folder(into)) {
+    std::error_code ignored;
+    if (fs::exists(into, ignored)) {
+      return usage_failure("\"" + into.string() + "\" is not a folder");
+    }
+    if (!is_folder(into.parent_path())) {
+      return usage_failure("the folder \"" + into.parent_path().string() + "\" does not exist");
+    }
   }
+  std::error_code error;
   if (!fs::exists(fs::symlink_status(folder, error))) return {};
   if (!options.replace) {
     return usage_failure("\"" + folder.string() + "\" already exists",
@@ -140,13 +152,14 @@ PutOptions options_for_made_robot(const std::string& name, bool force) {
   return options;
 }
 
-// Writes a robot's folder atomically: completely or not at all.
-// Errors: kUsage if the parent does not exist, or if the folder exists and is not replaced; kRun.
+// Writes a robot's folder atomically: completely or not at all. Creates its parent if necessary.
+// Errors: those of check_place; kRun.
 Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
                               const PutOptions& options) {
   RETARGET_TRY(check_place(folder, options));
   std::error_code error;
   const bool is_there = fs::exists(fs::symlink_status(folder, error));
+  if (!is_folder(folder.parent_path())) fs::create_directory(folder.parent_path(), error);
   // Write next to the destination, then move the folder into place in one step.
   fs::path staging;
   const int made = make_new_folder(folder, staging);

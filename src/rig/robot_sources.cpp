@@ -129,11 +129,14 @@ Json robot_json(const Robot& robot, const RobotSources& files) {
   json["root_body"] = robot.bodies()[robot.root_body()].name;
   json["default_limits"] = robot.limits_for("");
   json["joints"] = joints_json(robot);
-  json["mapping_file"] = files.config.empty() ? Json() : Json(files.config);
-  if (files.config.empty()) return json;
-  const auto config = load_retargeting_config(files.config);
+  // The published configuration has an effect only with the published method.
+  const bool has_published = !files.config_of_others.empty();
+  const std::string& file = has_published ? files.config_of_others : files.config;
+  json["mapping_file"] = text_or_null(file);
+  if (file.empty()) return json;
+  const auto config = load_retargeting_config(file);
   json["mapping"] = config ? config_json(*config) : Json();
-  if (!files.config_of_others.empty()) json["mapping_file_of_others"] = files.config_of_others;
+  if (has_published) json["mapping_file_published"] = files.config;
   return json;
 }
 
@@ -181,9 +184,9 @@ std::string plain_text(const Json& json) {
   }
   if (json["mapping_file"].is_null()) return text + "\nno retargeting configuration\n";
   text += "\nretargeting configuration  " + json["mapping_file"].get<std::string>() + "\n";
-  if (json.contains("mapping_file_of_others")) {
-    text += "         for sources other than LAFAN1: " +
-            json["mapping_file_of_others"].get<std::string>() + "\n";
+  if (json.contains("mapping_file_published")) {
+    text += "  with the method gmr and LAFAN1's skeleton: " +
+            json["mapping_file_published"].get<std::string>() + "\n";
   }
   text += padded("body", 32) + padded("bone", 16) + padded("scale", 8) +
           "position and rotation weights, both passes\n";

@@ -28,6 +28,7 @@ constexpr auto kMetricLabels = std::to_array<std::pair<std::string_view, std::st
     {"root_jerk_mean", "Root jerk"},
     {"root_jerk_p99", "Root jerk, 99th percentile"},
     {"root_acc_p99", "Root acceleration, 99th percentile"},
+    {"root_acc_max", "Root acceleration, maximum"},
     {"com_acc_rms", "Centre of mass acceleration, RMS"},
     {"com_acc_p99", "Centre of mass acceleration, 99th percentile"},
     {"root_jumps", "Root jumps"},

@@ -61,7 +61,7 @@ TEST_F(FindInputsTest, KeepsFolderStructure) {
   EXPECT_THAT(relatives(found),
               ElementsAre("bad\xff utf.bvh", "l\xc3\xa4uft.bvh", "motion.npz", "new\nline.bvh",
                           "sub/-dash.bvh", "sub/a b/run.BVH", "two.dots.bvh", "walk.bvh"));
-  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("1 files named ._*")));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("1 file named ._*")));
   EXPECT_EQ(found->inputs.back().path, at("in/walk.bvh"));
   EXPECT_EQ(found->inputs.back().bytes, 1U);
   EXPECT_GT(found->inputs.back().modified_ns, 0);
@@ -137,12 +137,13 @@ TEST_F(FindInputsTest, SkipsExcludedFilesAndTheOutputFolder) {
   make("in/out/walk.npz");
   InputSearch search;
   search.names = {at("in")};
-  search.exclude = {"*_stagei.npz", "raw/*"};
+  search.exclude = {"*_stagei.npz", "raw/*", "*_stagei*", "*.fbx"};
   search.output_folder = at("in/out");
   const auto found = find_inputs(search);
   EXPECT_THAT(relatives(found), ElementsAre("a/walk.npz"));
   EXPECT_THAT(found->notes,
               ElementsAre(HasSubstr("it is the output folder"), HasSubstr("skipped 2")));
+  EXPECT_THAT(found->unused_patterns, ElementsAre("*.fbx"));
 }
 
 #ifndef _WIN32  // takes permissions away

@@ -129,6 +129,33 @@ TEST(ProcessPool, ReportsACrashAndContinues) {
   }
 }
 
+TEST(ProcessPool, TerminatingAWorkerFailsOnlyItsTask) {
+  ProcessPoolOptions options = with_exit();
+  options.keep_going = [] { return true; };
+  const auto ends = ends_of({1, 1, 1}, options, [](std::size_t task) {
+    if (task == 1) ::raise(SIGTERM);
+    return std::string("done");
+  });
+  ASSERT_EQ(ends.size(), 3U);
+  for (const auto& [task, end] : ends) {
+    EXPECT_EQ(end.answered, task != 1);
+    EXPECT_EQ(end.was_killed, task == 1);
+  }
+}
+
+TEST(ProcessPool, ASignalToAllProcessesMayReachTheWorkerFirst) {
+  ProcessPoolOptions options = with_exit();
+  const auto begin = std::chrono::steady_clock::now();
+  options.keep_going = [&] {
+    return std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(50);
+  };
+  const auto ends = ends_of({1, 1, 1}, options, [](std::size_t) {
+    ::raise(SIGTERM);
+    return std::string("done");
+  });
+  EXPECT_EQ(ends.size(), 1U);
+}
+
 TEST(ProcessPool, KillsAHangingTask) {
   ProcessPoolOptions options = with_exit();
   options.workers = 2;

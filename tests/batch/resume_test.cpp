@@ -24,8 +24,8 @@ class ResumeTest : public ::testing::Test {
     entry_.robot = "g1";
     entry_.done = true;
     entry_.options_hash = "options";
-    entry_.input = record_file(input_, input_).value();
-    entry_.outputs = {record_file(output_, "walk.csv").value()};
+    entry_.input = record_file(input_, input_, FileUse::kInput).value();
+    entry_.outputs = {record_file(output_, "walk.csv", FileUse::kOutput).value()};
   }
   [[nodiscard]] FinishedClips::Candidate find(const std::string& options = "options") {
     clips_ = FinishedClips({entry_}, (folder_.path() / "out").string());
@@ -84,6 +84,23 @@ TEST_F(ResumeTest, ListsClipsToRedo) {
   EXPECT_EQ(find().entry, nullptr);
 }
 
+TEST_F(ResumeTest, TheSidecarOfARobotMotionBelongsToTheInput) {
+  input_ = folder_.write("walk.csv", "input");
+  const auto plain = record_file(input_, input_, FileUse::kInput).value();
+  const std::string sidecar = folder_.write("walk.csv.json", "{}");
+  const auto described = record_file(input_, input_, FileUse::kInput).value();
+  EXPECT_EQ(look_at(plain, input_, FileUse::kInput), RecordState::kChanged);
+  EXPECT_EQ(described.bytes, plain.bytes + 2);
+  folder_.write("walk.csv.json", "[]");
+  EXPECT_FALSE(has_recorded_content(described, input_, FileUse::kInput));
+  fs::remove(sidecar);
+  EXPECT_EQ(look_at(described, input_, FileUse::kInput), RecordState::kChanged);
+  // An output and its sidecar have separate records.
+  const auto output = record_file(input_, input_, FileUse::kOutput).value();
+  folder_.write("walk.csv.json", "{}");
+  EXPECT_TRUE(has_recorded_content(output, input_, FileUse::kOutput));
+}
+
 TEST_F(ResumeTest, AcceptsAnyOfSeveralEntries) {
   ManifestEntry other = entry_;
   other.options_hash = "others";
@@ -95,8 +112,8 @@ TEST_F(ResumeTest, AcceptsAnyOfSeveralEntries) {
 }
 
 TEST_F(ResumeTest, HandlesFilesThatCannotBeRecorded) {
-  EXPECT_FALSE(record_file((folder_.path() / "missing").string(), "x"));
-  EXPECT_FALSE(record_file(folder_.path().string(), "x"));
+  EXPECT_FALSE(record_file((folder_.path() / "missing").string(), "x", FileUse::kInput));
+  EXPECT_FALSE(record_file(folder_.path().string(), "x", FileUse::kInput));
 }
 
 TEST_F(ResumeTest, RemovesOnlyFilesThatMatchTheRecord) {
@@ -113,13 +130,13 @@ TEST_F(ResumeTest, RemovesOnlyFilesThatMatchTheRecord) {
   EXPECT_TRUE(verified().empty());
   // A file outside the folder by its name, and one through a link.
   const std::string victim = folder_.write("victim.txt", "victim");
-  entry_.outputs = {record_file(victim, "../victim.txt").value()};
+  entry_.outputs = {record_file(victim, "../victim.txt", FileUse::kOutput).value()};
   EXPECT_TRUE(verified().empty());
-  entry_.outputs = {record_file(victim, victim).value()};
+  entry_.outputs = {record_file(victim, victim, FileUse::kOutput).value()};
   EXPECT_TRUE(verified().empty());
 #ifndef _WIN32
   fs::create_directory_symlink("..", folder_.path() / "out" / "up");
-  entry_.outputs = {record_file(victim, "up/victim.txt").value()};
+  entry_.outputs = {record_file(victim, "up/victim.txt", FileUse::kOutput).value()};
   EXPECT_TRUE(verified().empty());
 #endif
 }

@@ -43,6 +43,17 @@ class BadInput(ToolTest):
         for value in ("nan", "inf", "-30", "1e300"):
             self.assert_refused(self.retarget(f"--fps={value}"), 2, "--fps", value)
 
+    def test_parts_beyond_the_clip_are_reported(self):
+        gmr = ("--method", "gmr")
+        for options in (("--frames", "290:4000"), ("--start", "9", "--end", "60")):
+            result = self.retarget(*gmr, *options, bvh=sample("walk"))
+            self.assert_done(result)
+            self.assertRegex(result.stderr, "warning: .* after the clip, which (has frames 0 to 300|ends at 10 s)")
+        edited = self.run_tool("edit", "trim", sample("walk"), "--frames", "290:4000", "-o", "part.bvh")
+        self.assertIn("which has frames 0 to 300", edited.stderr)
+        for options in (("--frames", "290:"), ("--frames", "290:301"), ("--start", "9", "--end", "10")):
+            self.assertNotIn("after the clip", self.retarget(*gmr, *options, bvh=sample("walk")).stderr)
+
     def test_output_over_the_input(self):
         clip = self.write("clip.bvh", sample("wave").read_bytes())
         self.assert_fails(self.retarget(bvh=clip, output="clip.bvh"), 2, "overwrite")

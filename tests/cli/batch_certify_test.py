@@ -100,10 +100,11 @@ class Certify(BatchTest):
                 (("--certify", "--format", "glb"), "a format that can be read"),
                 (("--gate", "tracked_pct>=100"), "the gate on tracked_pct needs certificates"),
                 (("--certify", "--merge"), "--certify and --merge")):
-            inputs = () if "--merge" in options else ("in",)
-            if "--merge" in options:
+            merges = "--merge" in options
+            if merges:
                 (self.folder / "out").mkdir(exist_ok=True)
-            done = self.batch(*options, inputs=inputs, fast=False)
+            done = self.batch(*options, inputs=() if merges else ("in",),
+                              robot=None if merges else "unitree_g1", fast=False)
             self.assertEqual(done.returncode, 2, options)
             self.assertIn(words, done.stderr)
 

@@ -387,10 +387,14 @@ class Parts(DataSetTest):
         self.assertEqual((self.folder / "out.csv").read_bytes(), self.contents()["a/one.csv"])
         self.retarget(*GMR, "--start", "0.5", "--end", "1", bvh=self.folder / "in/a/wave.bvh")
         self.assertEqual((self.folder / "out.csv").read_bytes(), self.contents()["a/two.csv"])
+        self.assertNotIn("warnings", entries["a/one.bvh"])
         # Only the part that changed is done again.
         self.write("parts.csv", "a/wave.bvh,f0,f12,one\na/wave.bvh,0.5,1,two\na/wave.bvh,f20,,\n")
         self.assertIn("2 of 3 are done", self.batch("--clips", "parts.csv", "--resume").stderr)
         self.assertEqual(len(self.lines("a/one.csv")), 12)
+        self.write("parts.csv", "a/wave.bvh,f30,f400,beyond\n")
+        self.assert_done(self.batch("--clips", "parts.csv", output="beyond"))
+        self.assertIn("frames 0 to 39", (self.folder / "beyond/manifest.jsonl").read_text())
 
     def test_table_locates_the_files(self):
         self.write("set/x/wave.bvh", short_clip("wave", 20))

@@ -10,7 +10,7 @@ import sys
 import unittest
 
 import tool
-from tool import SHARED, SOURCE, ToolTest, short_clip
+from tool import SHARED, SOURCE, ToolTest, sample, short_clip
 
 JUDGE = SHARED / "judge" / "judge.py"
 REFERENCE = SHARED / "reference" / "robots" / "unitree_g1"
@@ -472,6 +472,16 @@ class EvaluateCommand(ToolTest):
         self.assert_fails(self.evaluate(self.good, "--bvh", "a.bvh", "--smpl", "a.npz"), 2,
                           "--bvh and --smpl both name a motion")
         self.assert_fails(self.retarget("--report", "no/r.json"), 2, "no")
+
+    def test_a_motion_that_ends_early_is_reported(self):
+        self.assert_done(self.retarget("--method", "gmr", "--start", "1", "--end", "3", bvh=sample("wave"),
+                                       output="part.csv"))
+        evaluate = ("evaluate", "part.csv", "--robot", "unitree_g1", "--bvh", sample("wave"), "--gate", "none")
+        result = self.run_tool(*evaluate)
+        self.assertIn("the motion has 61 frames of the 121 of the source", result.stderr)
+        self.assertIn("--start and --end select another part", result.stderr)
+        result = self.run_tool(*evaluate, "--start", "1", "--end", "3")
+        self.assertNotIn("of the source and is compared", result.stderr)
 
     def test_a_source_that_ends_early_is_reported(self):
         result = self.evaluate(self.good, "--bvh", tool.sample("wave"), "--start", "1", "--gate",

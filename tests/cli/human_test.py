@@ -143,6 +143,14 @@ class WhatIsUnderstood(ToolTest):
         bone_map = json.loads((self.folder / "map.json").read_text())
         self.assertIn("LeftForeArm", json.dumps(bone_map))
         self.assert_done(self.retarget("--map", "map.json", bvh=walk, output="b.csv"))
+        self.assertEqual((self.folder / "a.csv").read_bytes(), (self.folder / "b.csv").read_bytes())
+        # A map that only leaves bones out keeps what is known about the kind of skeleton.
+        self.write("map.json", json.dumps({**bone_map, "Spine1": None}))
+        report = self.inspect(walk, "--map", "map.json")
+        self.assertEqual((report["dialect"], report["rest_pose"]), ("lafan1", "lafan1"))
+        other = {**bone_map, "Spine": bone_map["Spine1"], "Spine1": bone_map["Spine"]}
+        self.write("map.json", json.dumps({**other, "Spine1": None}))
+        self.assertEqual(self.inspect(walk, "--map", "map.json")["dialect"], "map file")
         self.write("map.json", json.dumps(bone_map).replace('"LeftFoot"', '"LeftFot"', 2))
         self.assert_fails(self.retarget("--map", "map.json", bvh=walk), 4, "map.json")
 
@@ -167,6 +175,22 @@ class WhatIsUnderstood(ToolTest):
         self.assertEqual(report["rest_pose"], "learned")
         report = self.inspect(sample("walk"), "--tpose-frame", "3")
         self.assertEqual(report["rest_pose"], "frame 3")
+
+    def test_given_axes_that_disagree_are_reported(self):
+        for options, words in (
+                (("--up", "z"), "without --up, retarget finds +y as the up axis, not +z"),
+                (("--unit", "cm", "--up", "z"), "without --up, retarget finds +y"),
+                (("--forward", "z"), "without --forward, retarget finds that the rest pose faces +x, not +z"),
+                (("--forward", "-x"), "without --forward, retarget finds that the rest pose faces +x, not -x"),
+                (("--up", "y", "--forward", "x"), None)):
+            with self.subTest(options=options):
+                doubts = "\n".join(self.inspect(sample("walk"), *options)["doubts"])
+                if words:
+                    self.assertIn(words, doubts)
+                else:
+                    self.assertNotIn("without --", doubts)
+        result = self.retarget("--method", "gmr", "--up", "z")
+        self.assertRegex(result.stderr, "warning: without --up, retarget finds [+]y as the up axis, not [+]z: ")
 
     def test_two_motions_are_an_error(self):
         self.assert_fails(self.retarget("--smpl", "x.npz"), 2, "--bvh", "--smpl")

@@ -57,6 +57,10 @@ class Inspect(ToolTest):
                                    [0, 0, 0, 100, 10, 2]):
             self.assertAlmostEqual(found, expected)
 
+    def test_a_body_model_is_for_smpl_motions(self):
+        self.assert_fails(self.run_tool("inspect", sample("walk"), "--smpl-model", "none.npz"), 2,
+                          "--smpl-model applies only to SMPL motions")
+
     def test_text(self):
         result = self.run_tool("inspect", sample("walk"))
         self.assert_done(result)

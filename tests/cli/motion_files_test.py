@@ -153,7 +153,7 @@ class Rates(ToolTest):
                         ("compare", "soma.csv", "soma.csv")):
             result = self.run_tool(*command, *G1)
             self.assert_done(result)
-            self.assertIn("at 120 fps, not given in the file", result.stderr)
+            self.assertIn("at 120 fps; the file states no rate", result.stderr)
             result = self.run_tool(*command, *G1, "--source-fps", "50")
             self.assert_done(result)
             self.assertIn("at 50 fps\n", result.stderr)

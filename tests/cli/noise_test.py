@@ -147,6 +147,12 @@ class Clean(ToolTest):
         said = self.run_on(self.noisy("walk", lambda m: noise.lost_joint(m, "LeftForeArm")))
         self.assertRegex(said, r"cleaned  LeftForeArm was lost in \d+ frames: bridged")
 
+    def test_long_freezes_are_kept_with_a_warning(self):
+        said = self.run_on(self.noisy("walk", lambda m: noise.frozen_frames(m, 1, 40)))
+        self.assertRegex(said, r"warning: the source stands still in frames \d+ to \d+ and jumps "
+                               r"afterwards.*: 40 equal frames kept, 1.33 s")
+        self.assertNotIn("frozen frames bridged", said)
+
     def test_joints_that_are_lost_in_single_frames(self):
         def lose_joints(motion):
             for seed, joint in enumerate(motion.joints[1:]):

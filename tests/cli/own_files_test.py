@@ -109,7 +109,7 @@ class Sidecars(FormatsTest):
         said = self.converted("odd.csv", "back.csv", "--precision", "9", "--dof", "23")
         self.assertIn("at 60 fps", said)
         self.assertIn("odd.csv.json records", said)
-        self.assertNotIn("not given in the file", said)
+        self.assertNotIn("the file states no rate", said)
         self.assert_same(self.rows("back.csv"), self.rows("plain.csv"), 1e-8)
         for command in ("evaluate", "view"):
             result = self.run_tool(command, "odd.csv", "--robot", "unitree_g1",
@@ -120,6 +120,12 @@ class Sidecars(FormatsTest):
         self.assert_done(self.run_tool("compare", "back.csv", "odd.csv", "--robot", "unitree_g1",
                                        "--source-dof", "23", "--tolerance", "1e-6"))
 
+    def test_sidecars_of_renamed_files_apply(self):
+        for ending in ("", ".json"):
+            (self.folder / f"odd.csv{ending}").rename(self.folder / f"new.csv{ending}")
+        self.assertIn("new.csv.json records", self.converted("new.csv", "back.csv", "--precision", "9", "--dof", "23"))
+        self.assert_same(self.rows("back.csv"), self.rows("plain.csv"), 1e-8)
+
     def test_sidecars_of_other_content_are_ignored(self):
         with open(self.folder / "odd.csv", "a") as file:
             file.write("\n")
@@ -127,7 +133,7 @@ class Sidecars(FormatsTest):
         self.assert_fails(self.convert("odd.csv", "x.csv", *options[:2]), 3, "--source-angles")
         said = self.converted("odd.csv", "back.csv", *options)
         self.assertIn("another version", said)
-        self.assertIn("30 fps, not given in the file", said)
+        self.assertIn("30 fps; the file states no rate", said)
 
     def test_other_files_are_not_changed(self):
         shutil.copy(self.folder / "odd.csv.json", self.folder / "plain.csv.json")

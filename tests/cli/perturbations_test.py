@@ -86,6 +86,21 @@ def drawling(rows, joints, frames):
     return changed
 
 
+def moved_for(rows, frames, axis, metres):
+    """The root moved along an axis for some frames in the middle."""
+    middle = len(rows) // 2
+    return [[value + (metres if k == axis and middle <= i < middle + frames else 0) for k, value in enumerate(row)]
+            for i, row in enumerate(rows)]
+
+
+def with_arms_exchanged(rows):
+    """Each arm moves like the other one's mirror image."""
+    signs = (1, -1, -1, 1, -1, 1, -1)  # Pitch, roll, yaw of the shoulder, elbow, roll, pitch, yaw of the wrist.
+    left, right = ROOT + 15, ROOT + 22
+    return [[*row[:left], *(s * v for s, v in zip(signs, row[right:right + 7])),
+             *(s * v for s, v in zip(signs, row[left:left + 7]))] for row in rows]
+
+
 def swaying(rows, joint, radians, hertz):
     return [[value + (radians * math.sin(2 * math.pi * hertz * t / FPS) if i == ROOT + joint else 0)
              for i, value in enumerate(row)] for t, row in enumerate(rows)]
@@ -119,6 +134,8 @@ PERTURBATIONS = {
                           {"joint_offset_rad", "trunk_lean_error_deg", "stance_height_p50_cm",
                            "body_pen_1cm_pct", "support_height_p95_cm"}),
     "is noisy": (lambda rows: noisy(rows, 0.03), {"com_acc_p99"}),
+    "is elsewhere for a moment": (lambda rows: moved_for(rows, 8, 1, 0.2), {"root_acc_max"}),
+    "is in the floor for a moment": (lambda rows: moved_for(rows, 8, 2, -0.15), {"body_pen_max_cm"}),
     "is shaken": (lambda rows: shaken(rows, 0.01), {"root_acc_p99"}),
 }
 # Perturbations that are visible in standing bodies, which do not rest on these limbs.
@@ -180,6 +197,7 @@ class Perturbations(ToolTest):
     def test_walking(self):
         # The other clips hardly bounce.
         self.check(sample("walk"), PERTURBATIONS | OF_STANDING | JOLT | {
+            "exchanges its arms": (with_arms_exchanged, {"lag_s"}),
             "glides": (lambda rows: gliding(rows, 4), {"root_bounce_pct"}),
             "drawls with its arms": (lambda rows: drawling(rows, ARMS, 10), {"fast_arm_pct"}),
             "drawls with its legs": (lambda rows: drawling(rows, LEGS, 10), {"fast_leg_pct"})})

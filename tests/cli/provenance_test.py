@@ -35,6 +35,19 @@ class Provenance(FormatsTest):
         # No file was written.
         self.assertEqual(len(self.files()), 5)
 
+    def test_the_motion_beside_the_sidecar_is_compared(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--sidecar", bvh="in.bvh"))
+        for ending in ("", ".json"):
+            (self.folder / f"out.csv{ending}").rename(self.folder / f"new.csv{ending}")
+        done = self.verify("new.csv.json")
+        self.assert_done(done)
+        self.assertIn("new.csv: the output", done.stderr)
+        with open(self.folder / "new.csv", "a") as file:
+            file.write("\n")
+        self.assert_fails(self.verify("new.csv.json"), 1, "new.csv", "has changed")
+        (self.folder / "new.csv").unlink()
+        self.assert_fails(self.verify("new.csv.json"), 1, "the motion of the sidecar is missing")
+
     def test_changed_inputs_are_named(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--sidecar",
                                        bvh="in.bvh"))

@@ -77,9 +77,10 @@ class RobotToRobot(ToolTest):
             for row, wanted in zip(self.rows(name), self.rows("upright.csv")):
                 self.assertLess(max(abs(a - b) for a, b in zip(row[2:3] + row[7:],
                                                                wanted[2:3] + wanted[7:])), 1e-3)
-        # An explicit axis overrides the check.
+        # An explicit axis overrides the check, with a warning.
         converted = self.convert("turned.csv", "g1", "g1", "converted.csv", "--up", "z")
-        self.assertNotIn("as the up axis", converted.stderr)
+        self.assertNotIn("using +y", converted.stderr)
+        self.assertIn("without --up, retarget finds +y as the up axis, not +z", converted.stderr)
 
     def test_same_robot_reproduces_the_motion(self):
         for name in ("walk", "squat", "wave", "turn_in_place"):

@@ -29,7 +29,7 @@ class Robots(ToolTest):
             unverified = (SOURCE / "robots/unverified" / robot["name"]).is_dir()
             self.assertEqual(robot["licence_stated"], not unverified)
             self.assertEqual(line.endswith(" (no stated licence)"), unverified)
-            self.assertEqual(robot["licence"].startswith("none in the folder"), unverified)
+            self.assertEqual(robot["licence"].startswith("none stated"), unverified)
         shown = json.loads(self.output_of("show", "unitree_g1", "--json"))
         self.assertEqual(len(shown["joints"]), 29)
         self.assertEqual(shown["joints"][0]["name"], "left_hip_pitch_joint")
@@ -304,8 +304,10 @@ class Robots(ToolTest):
         self.assert_fails(self.run_tool("robots", "show", "unitree_g2"), 4, "unitree_g1")
         self.assert_fails(self.run_tool("robots"), 2)
         # The destination is checked before the model.
-        self.assert_fails(self.run_tool("robots", "add", "x", "--model", "arm.xml", "-o", "nowhere"), 2,
+        self.assert_fails(self.run_tool("robots", "add", "x", "--model", "arm.xml", "-o", "nowhere/deep"), 2,
                           'the folder "nowhere" does not exist')
+        self.assert_fails(self.run_tool("robots", "add", "x", "--model", "arm.xml", "-o", "arm.xml"), 2,
+                          '"arm.xml" is not a folder')
         self.write("arm/thesis.txt", "years")
         self.assert_fails(self.run_tool("robots", "add", "arm", "--model", "arm.xml"), 2, "--force")
         self.assertEqual(self.files(), ["arm.xml", "arm/thesis.txt"])

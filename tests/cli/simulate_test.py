@@ -96,6 +96,22 @@ class Simulate(unittest.TestCase):
         verified = call("verify", file)
         self.assertEqual(verified.returncode, 0, verified.stderr)
 
+        self.assertIn("\nsimulation no fall\n", done.stderr)
+        self.assertRegex(done.stderr, r"\nverdict  \d+ of \d+ gates passed")
+        sidecar = self.folder / "squat.csv.json"
+        kept = sidecar.read_bytes()
+        sidecar.unlink()
+        try:
+            missing = call("verify", file)
+            self.assertEqual(missing.returncode, 1)
+            self.assertRegex(missing.stderr, "hint: the sidecar .*squat.csv.json, .* is missing")
+            sidecar.write_bytes(kept.replace(b"{", b"{ ", 1))
+            self.assertRegex(call("verify", file).stderr, "hint: the sidecar .*squat.csv.json has changed")
+        finally:
+            sidecar.write_bytes(kept)
+        alone = call("certify", motion, "--robot", "g1", "-o", self.folder / "alone.json")
+        self.assertRegex(alone.stderr, r"verdict  \d+ of \d+ gates passed, \d+ not measured")
+
         # Every change is found and named.
         for path, value in ((("simulation", "fell"), True), (("quality", "dynamics_bad_pct"), 0.123),
                             (("prediction", "predicted_tracking_success"), 0.99),

@@ -124,6 +124,10 @@ class Written(FormatsTest):
         self.assertTrue(np.array_equal(motion["joint_pos"][:, :3], motion["body_pos_w"][:, pelvis]))
         self.assertTrue(np.array_equal(motion["joint_pos"][:, 3:7],
                                        motion["body_quat_w"][:, pelvis]))
+        # As in qvel: the velocity of the root's origin, not of its centre of mass.
+        root = mjlab["body_names"].tolist().index("pelvis")
+        self.assertTrue(np.array_equal(motion["joint_vel"][:, :3], mjlab["body_lin_vel_w"][:, root]))
+        self.assertTrue(np.array_equal(motion["joint_vel"][:, 3:6], mjlab["body_ang_vel_w"][:, root]))
         self.converted("holo.npz", "a.csv")
         self.converted("mjlab.npz", "b.csv")
         self.assert_done(self.run_tool("compare", "a.csv", "b.csv"))

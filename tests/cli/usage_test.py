@@ -207,6 +207,13 @@ class Mistakes(ToolTest):
             self.assert_fails(self.run_tool(*words, "--robot", "g1"), 3, "clips", "directory",
                               "clips/*.csv", "retarget batch")
 
+    def test_a_rate_without_effect(self):
+        of_npz = ("--frames", ":30", "--format", "npz-mjlab")
+        self.assert_fails(self.retarget(*of_npz, "--fps", "60", bvh=sample("wave"), output="x.npz"), 2,
+                          "--fps has no effect on npz-mjlab", "--npz-fps N")
+        self.assert_done(self.retarget(*of_npz[:3], "npz-mjlab,csv", "--fps", "60", bvh=sample("wave"), output="x"))
+        self.assert_done(self.retarget(*of_npz, "--fps", "60", "--method", "gmr", bvh=sample("wave"), output="x.npz"))
+
     def test_files_in_folders(self):
         (self.folder / "clips").mkdir()
         self.write("x.csv", "1\n")

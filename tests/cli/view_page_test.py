@@ -50,6 +50,13 @@ class PageFiles(ToolTest):
         self.assertGreaterEqual(header["motions"][0]["frames"], 1800)
         self.assertLess(sum(sizes), 300 * KILOBYTE)
 
+    @needs_shared
+    def test_a_source_of_smpl(self):
+        clip = SHARED / "data/smpl/smpl_walk.npz"
+        self.assert_done(self.retarget("--method", "gmr", bvh=clip, output="walk.csv"))
+        view = ("view", "walk.csv", "--robot", "unitree_g1", "-o", "page.html")
+        self.assert_done(self.run_tool(*view, "--smpl", clip))
+
     def test_the_same_bytes_every_time(self):
         clip = self.write("walk.bvh", short_clip("walk", 40))
         self.assertEqual(self.run_page(clip=clip), self.run_page(clip=clip))

@@ -8,6 +8,7 @@ import zlib
 
 import numpy as np
 
+import noise
 from tool import SOURCE, ToolTest, sample, short_clip
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -63,6 +64,25 @@ class View(ToolTest):
         # 19 bones, and a head, three times with an outline; a floor.
         self.assertGreater(self.shapes(both), self.shapes(alone) + 3 * 2 * 15)
         self.assertEqual(self.poses(both), self.poses(alone))
+
+    def test_the_source_is_read_as_in_the_run(self):
+        clip = noise.Motion(self.write("walk.bvh", short_clip("walk", 61)))
+        motion = self.motion(clip="walk.bvh")
+        self.write("names.txt", "".join(f"{joint['name']}\n" for joint in clip.joints))
+        self.write("points.npy", noise.npy(noise.keypoints(clip)))
+        alone = self.strip(motion)
+        points = ("--bvh", "points.npy", "--joint-names", "names.txt", "--source-fps")
+        both = self.strip(motion, *points, 30)
+        self.assertGreater(self.shapes(both), self.shapes(alone) + 6 * 2 * 15)
+        # The rate is that of the source, not that of the motion.
+        slower = self.strip(motion, *points, 15, output="slower.svg")
+        self.assertEqual(self.poses(slower), self.poses(both))
+        self.assertNotEqual(slower, both)
+        self.strip(motion, *points, 30, output="page.html")
+        # A BVH has no takes, but the option is known.
+        view = ("view", motion, "--robot", "unitree_g1", "-o", "s.svg", "--bvh", "walk.bvh")
+        for option in (("--take", "9"), ("--root", "x"), ("--lenient",)):
+            self.assertNotIn("unknown option", self.run_tool(*view, *option).stderr)
 
     def test_same_bytes_every_time_and_on_standard_output(self):
         motion = self.motion()

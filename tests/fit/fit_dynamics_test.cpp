@@ -175,7 +175,7 @@ TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
   const FitResult without = fitted(walk, without_dynamics()), with = fitted(walk, {});
   EXPECT_GT(with.report.status.distrusted_frames, 20);
   EXPECT_LE(bad_share(with.clip), bad_share(without.clip) + 0.02);
-  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("contacts unknown")));
+  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("unknown contacts")));
 }
 
 TEST_F(FitDynamicsTest, HandlesShortClips) {

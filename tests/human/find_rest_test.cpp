@@ -82,9 +82,10 @@ TEST(RestEvidence, UsesASeatedZeroPoseThatFitsTheMovement) {
   EXPECT_EQ(found.rest_pose, "zero pose");
   EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kBodyBones), 1.0);
   // The best candidate and its advantage.
-  EXPECT_THAT(found.description, testing::ContainsRegex("T-pose from zero pose \\([0-9]+ degrees "
-                                                        "off; expected error [0-9.]+ degrees, the "
-                                                        "whole movement [0-9.]+\\)"));
+  EXPECT_THAT(found.description,
+              testing::ContainsRegex("T-pose from zero pose \\([0-9]+ degrees off a T-pose; "
+                                     "expected error [0-9.]+ degrees; next best: axes learned "
+                                     "from the movement, [0-9.]+ degrees\\)"));
 }
 
 TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
@@ -100,7 +101,7 @@ TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
   EXPECT_FALSE(names_rest_option(found));
   EXPECT_THAT(found.description,
               testing::ContainsRegex("learned from the movement \\(expected error [0-9.]+ "
-                                     "degrees, [a-z0-9 ]+ [0-9.]+\\)"));
+                                     "degrees; next best: [a-z0-9 ]+, [0-9.]+ degrees\\)"));
 }
 
 // A still body with straight limbs that leans forward, and a meaningless zero pose.

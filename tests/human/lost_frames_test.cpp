@@ -1,3 +1,4 @@
+#include "human/gait/repeated_frames.h"
 #include "human/gait/track_faults.h"
 
 #include <gmock/gmock.h>
@@ -119,6 +120,32 @@ TEST(LostFrames, InterpolatesFrozenFrames) {
   for (int frame = 20; frame < 28; ++frame) {
     EXPECT_NEAR(std::as_const(frozen).translations(frame)[0].x(), 0.02 * frame, 1e-9);
   }
+}
+
+// Interpolation would invent a movement: the joints turn back meanwhile. After 42 frames they are
+// where they were, but the root is not.
+TEST(LostFrames, KeepsAndNamesLongFreezes) {
+  const Clip clip = bending_chain();
+  EXPECT_THAT(kept_freezes(clip, kWhole, 1.0), IsEmpty());
+  for (const FrameRange freeze : {FrameRange{15, 45}, FrameRange{10, 50}}) {
+    Clip frozen = clip;
+    for (int i = freeze.begin; i < freeze.end; ++i) copy_frame(clip, freeze.begin, frozen, i);
+    EXPECT_THAT(kept_freezes(frozen, kWhole, 1.0), ElementsAre(freeze));
+    const Clip before = frozen;
+    EXPECT_EQ(bridge_frozen_frames(frozen, kWhole), 0);
+    EXPECT_TRUE(same_clips(before, frozen));
+  }
+}
+
+// The movement continues where it stopped, and short freezes are interpolated.
+TEST(LostFrames, DoesNotNamePausesAndShortFreezes) {
+  const Clip clip = bending_chain();
+  Clip resting = clip, frozen = clip;
+  for (int frame = 21; frame < 37; ++frame) copy_frame(clip, 20, resting, frame);
+  for (int frame = 37; frame < kFrames; ++frame) copy_frame(clip, frame - 16, resting, frame);
+  EXPECT_THAT(kept_freezes(resting, kWhole, 1.0), IsEmpty());
+  for (int frame = 21; frame < 27; ++frame) copy_frame(clip, 20, frozen, frame);
+  EXPECT_THAT(kept_freezes(frozen, kWhole, 1.0), IsEmpty());
 }
 
 TEST(LostFrames, PausesAreNotFrozenFrames) {

@@ -62,6 +62,26 @@ TEST(UpAxis, WarnsIfTheBodyHardlyStands) {
   EXPECT_THAT(doubts[0].message, testing::HasSubstr("using +y as the up axis"));
 }
 
+TEST(UpAxis, DoubtsAStatedAxisThatTheMovementContradicts) {
+  const auto doubts_of = [](const Clip& clip, const Eigen::Vector3d& up) {
+    CalibrationOptions options;
+    options.up = up.normalized();
+    return calibrate(clip, lafan1_map(clip.skeleton(), "test"), options).value().doubts;
+  };
+  const Clip walk = recorded_clip("walk");
+  const auto doubts = doubts_of(walk, Eigen::Vector3d::UnitZ());
+  ASSERT_FALSE(doubts.empty());
+  EXPECT_THAT(doubts[0].message, testing::HasSubstr("retarget finds +y as the up axis, not +z"));
+  EXPECT_TRUE(doubts_of(walk, Eigen::Vector3d::UnitY()).empty());
+  // A world that is not level.
+  EXPECT_TRUE(doubts_of(walk, {0.0, 2.0, 1.0}).empty());
+  // The axis of a body that hardly stands is uncertain without the statement.
+  const Clip uncertain = tumbling("turn_in_place", 3.0, true);
+  for (const Warning& doubt : doubts_of(uncertain, Eigen::Vector3d::UnitZ())) {
+    EXPECT_THAT(doubt.message, testing::Not(testing::HasSubstr("as the up axis")));
+  }
+}
+
 // A zero pose along y in a world with z up: the posture of a standing body decides.
 TEST(UpAxis, UsesTheMovementOfStandingBodies) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));

@@ -112,5 +112,29 @@ TEST(FrameRangeFromSeconds, RangesWithoutFramesAreUsageErrors) {
             "error: the start at 0 s is after the end of the clip, which has no frames");
 }
 
+TEST(RangeDoubts, NameThePartBeyondTheClip) {
+  const auto doubts = [](const PartOptions& part) { return range_doubts(part, k30, 301); };
+  PartOptions part;
+  for (const char* frames : {"", ":", "290:", "0:300", "0:301", "0:302"}) {
+    part.frames = frames;
+    EXPECT_TRUE(doubts(part).empty()) << frames;
+  }
+  for (const char* frames : {"290:4000", "0:303", ":99999999999999999999"}) {
+    part.frames = frames;
+    ASSERT_EQ(doubts(part).size(), 1U) << frames;
+    EXPECT_THAT(doubts(part)[0].message,
+                HasSubstr("ends after the clip, which has frames 0 to 300"));
+  }
+  part.frames.clear();
+  for (const double end : {-1.0, 0.0, 10.0, 10.03}) {
+    part.end_s = end;
+    EXPECT_TRUE(doubts(part).empty()) << end;
+  }
+  part.end_s = 60.0;
+  ASSERT_EQ(doubts(part).size(), 1U);
+  EXPECT_EQ(doubts(part)[0].message,
+            "the end at 60 s is after the clip, which ends at 10 s: the part is cut there");
+}
+
 }  // namespace
 }  // namespace retarget

@@ -168,7 +168,9 @@ TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
   int entries = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
   EXPECT_EQ(entries, 2);
-  EXPECT_FALSE(save_robot(*made, folder.path() / "missing", false));
+  // The folder is created, but not its parent.
+  EXPECT_TRUE(save_robot(*made, folder.path() / "missing", false));
+  EXPECT_FALSE(save_robot(*made, folder.path() / "none" / "missing", false));
 }
 
 TEST(MakeRobot, RejectsNamesThatAreNotUtf8) {

@@ -16,6 +16,7 @@
 namespace retarget {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::vector<double> counted(std::size_t count) {
@@ -191,7 +192,8 @@ TEST(JointMotionTest, KimodoHasRotations) {
 TEST(JointMotionTest, RejectsOtherArrays) {
   std::vector<double> values = counted(132);
   values[70] = std::nan("");
-  EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, values)), HasSubstr("NaN in frame 1, joint 1"));
+  EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, values)),
+              AllOf(HasSubstr("NaN in frame 1, joint 1"), HasSubstr("at most 30 frames")));
   EXPECT_THAT(joint_error(npy_doubles({0, 22, 3}, {})), HasSubstr("no frames"));
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 4}, counted(176))), HasSubstr("(2, 22, 4)"));
   EXPECT_THAT(joint_error(npy_doubles({2, 66}, counted(132))), HasSubstr("(frames, joints, 3)"));

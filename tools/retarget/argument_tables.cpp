@@ -199,12 +199,13 @@ OptionTable view_table(ViewArguments& arguments) {
           "like the meshes or bodies of the robot's model, or the meshes of another model, MJCF or "
           "URDF (default: available meshes of the robot's model)"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
-          "Page: frame rate of the source, and of motions whose files state none, in frames per "
-          "second, or `source` (default: the rate of the first motion; files without one: 30, "
+          "Frame rate of motions whose files state none, and of the source of a page, in frames "
+          "per second, or `source` (default: the rate of the first motion; files without one: 30, "
           "SOMA 120)"),
       gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
   append(table, rows_for(OptionUse::kShow, run_command_table(arguments.run)));
-  append(table, reading_table(arguments.reading));
+  // As in evaluate, --source-fps is the rate of the source, if there is one.
+  append(table, without_rows_of(table, reading_table(arguments.reading)));
   return table;
 }
 

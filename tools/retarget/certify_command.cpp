@@ -26,7 +26,7 @@ Result<ExitCode> certify(const CertifyArguments& arguments, Console& console) {
   const InterruptGuard guard;
   RETARGET_TRY_ASSIGN(const Certificate certificate, retarget::certify(request, console));
   RETARGET_TRY(write_file(output, certificate.json));
-  console.line("gates", certificate.gates_passed ? "passed" : "missed");
+  console.lines(verdict_lines(certificate.report));
   console.line("simulation", certificate.fell ? "the robot falls" : "no fall");
   if (certificate.predicted_success >= 0.0) {
     console.line("predicted", number_text(certificate.predicted_success, 2) +

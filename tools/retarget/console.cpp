@@ -88,7 +88,8 @@ void Console::line(std::string_view label, std::string_view with_marks) {
   if (quiet_ || notes_ != nullptr) return;
   end_progress();
   std::string padded(label);
-  padded.resize(std::max(padded.size(), kLabelWidth), ' ');
+  // At least one space separates a long label from the text.
+  padded.resize(std::max(padded.size() + 1, kLabelWidth), ' ');
   put(paint(padded, kFaint) + wrapped_text(printable(text), padded.size(), kLabelWidth + kFurther) +
       "\n");
 }

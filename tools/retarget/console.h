@@ -57,8 +57,8 @@ class RecalibrationSignal {
 /// Whether a terminal takes the escape sequences of colours.
 [[nodiscard]] bool terminal_takes_colours(int stream);
 
-/// For a worker process: ignores Ctrl-C, which its parent handles; SIGTERM, however often it
-/// arrives, only sets the flag that interrupted() returns.
+/// For a worker process: ignores Ctrl-C, which its parent handles; SIGTERM of the parent, however
+/// often it arrives, only sets the flag that interrupted() returns. SIGTERM of others ends it.
 void leave_interrupts_to_parent();
 
 /// Turns signals for writing past a file size limit or into a closed pipe into errors.

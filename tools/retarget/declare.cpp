@@ -126,8 +126,7 @@ CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments&
 }
 
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "convert", "Convert a robot motion to other file formats, or a human motion to GLB");
+  CLI::App* command = app.add_subcommand("convert", "Convert a motion to other file formats");
   declare(*command,
           {word("input", arguments.input, "IN",
                 "Robot motion, CSV, NPZ or pickle (- reads standard input), or human motion"),
@@ -166,6 +165,9 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   describe_as("--smpl", "SMPL or SMPL-X source of the motions, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
   describe_as("--end", "End time of the motions in the source, seconds, inclusive");
+  describe_as("--source-fps",
+              "Frames per second of the source; overrides its header; without a source: frame "
+              "rate of the motions");
   describe_as("--scene",
               "Page: the scene around the human, drawn as the robot's world; without --bvh, the "
               "robot's world itself (docs/viewing.md)");

@@ -12,6 +12,7 @@
 #include "edit_arguments.h"
 #include "retarget/bvh.h"
 #include "retarget/clip.h"
+#include "retarget/clip_range.h"
 #include "retarget/edit.h"
 #include "retarget/file.h"
 #include "retarget/ground_path.h"
@@ -100,6 +101,12 @@ class EditRun {
     return clip;
   }
 
+  // Cuts a clip to the requested part.
+  Result<Clip> trim_clip(Clip clip) {
+    console_.warn(range_doubts(options_.part, clip.rate(), clip.frame_count()), clip.name());
+    return trim(std::move(clip), options_.part);
+  }
+
   Result<EditSource> read_human(Clip clip, const HumanOptions& how, const std::string& write_map) {
     RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(options_.common));
     RETARGET_TRY_ASSIGN(auto human, find_human(clip, how, data_folder));
@@ -118,7 +125,7 @@ class EditRun {
     RETARGET_TRY_ASSIGN(Clip clip, read_clip(file));
     RETARGET_TRY_ASSIGN(auto source, read_human(std::move(clip), how, write_map));
     const PartOptions& part = options_.part;
-    RETARGET_TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
+    RETARGET_TRY_ASSIGN(source.clip, trim_clip(std::move(source.clip)));
     // Edits that analyse the whole motion must not treat a leading T-pose as part of it.
     const bool looks_at_motion = edit == Edit::kPath || edit == Edit::kLoop ||
                                  edit == Edit::kConcat || edit == Edit::kGround;
@@ -156,7 +163,7 @@ class EditRun {
     }
     RETARGET_TRY_ASSIGN(const TimingOptions timing, options_.timing_options());
     RETARGET_TRY_ASSIGN(Clip motion, read_clip(options_.file));
-    RETARGET_TRY_ASSIGN(auto clip, trim(std::move(motion), part));
+    RETARGET_TRY_ASSIGN(auto clip, trim_clip(std::move(motion)));
     if (!resample) return clip;
     console_.line("source", summary(clip));
     return change_timing(std::move(clip), timing);

@@ -89,6 +89,16 @@ Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
   for (const std::string& note : made.notes) console.warn({{0, 0, note}}, arguments.model);
   RETARGET_TRY_ASSIGN(const auto folder, save_robot(made, arguments.output, arguments.force));
   console.line("wrote", folder.string() + "; decisions.md documents the decisions");
+  // A model can be added without a data folder.
+  const auto data_folder = data_folder_of(arguments.common);
+  const auto installed =
+      data_folder ? list_robots(robot_folders(*data_folder)) : std::vector<std::string>();
+  if (std::ranges::find(installed, made.name) != installed.end()) {
+    console.warn({{0, 0,
+                   "an installed robot has the same name: select yours by its path, " +
+                       (folder.has_parent_path() ? folder : "." / folder).string()}},
+                 arguments.model);
+  }
   return kDone;
 }
 

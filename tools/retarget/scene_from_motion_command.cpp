@@ -53,6 +53,7 @@ Result<void> find_scene(const SceneFromMotionArguments& arguments, Console& cons
   console.warn(human.doubts(), clip.name());
   RETARGET_TRY_ASSIGN(const FrameRange part,
                       chosen_range(run.options.part, clip.rate(), clip.frame_count()));
+  console.warn(range_doubts(run.options.part, clip.rate(), clip.frame_count()), clip.name());
   if (part != FrameRange{0, clip.frame_count()}) clip = cut(clip, part.begin, part.end);
   RETARGET_TRY_ASSIGN(const SceneFromMotion found, scene_from_motion(clip, human.calibration));
   if (found.surfaces.empty()) {

@@ -24,7 +24,8 @@ Result<void> take_smpl_file(RunArguments& arguments) {
   if (!arguments.run.motion.empty()) {
     return usage_failure("--bvh and --smpl both name a motion", "give only one of them");
   }
-  arguments.run.motion = arguments.smpl_file;
+  // A second call changes nothing.
+  arguments.run.motion = std::exchange(arguments.smpl_file, {});
   arguments.run.options.source.smpl = true;
   return {};
 }

@@ -21,6 +21,7 @@
 #include "retarget/measure_files.h"
 #include "retarget/motion_io.h"
 #include "retarget/motion_scene.h"
+#include "retarget/option_name.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
@@ -101,17 +102,29 @@ Result<std::optional<HumanClip>> source_human(RunArguments arguments, const Load
   return std::optional(to_human(*clip, plan.human.calibration));
 }
 
+// The rate of the source is not that of the motion.
+Result<ReadMotionOptions> reading_of(const ViewArguments& arguments) {
+  const Run& run = arguments.run.run;
+  ReadMotionOptions reading =
+      read_motion_options(arguments.reading, memory_share(run.options.source.memory_gb));
+  const double fps = run.options.source.source_fps;
+  if (run.motion.empty() && fps > 0.0) reading.rate = frame_rate_from_fps(fps);
+  if (!arguments.fps.empty()) {
+    RETARGET_TRY_ASSIGN(const auto rate, rate_of(arguments.fps));
+    if (rate) reading.default_rate = frame_rate_from_fps(*rate);
+  }
+  return reading;
+}
+
 Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   const Run& run = arguments.run.run;
   const std::string& file = arguments.motions.front();
   RETARGET_TRY_ASSIGN(const LoadedRobot robot,
                       load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
-  RETARGET_TRY_ASSIGN(
-      const RobotMotion motion,
-      load_recorded_motion(
-          file, robot.robot,
-          read_motion_options(arguments.reading, memory_share(run.options.source.memory_gb))));
-  report_reading(file, motion, console);
+  RETARGET_TRY_ASSIGN(const ReadMotionOptions reading, reading_of(arguments));
+  RETARGET_TRY_ASSIGN(RobotMotion motion, load_recorded_motion(file, robot.robot, reading));
+  motion.rate_known = motion.rate_known || reading.default_rate.has_value();
+  report_reading(file, motion, console, RETARGET_OPTION("fps"));
   RETARGET_TRY_ASSIGN(const auto human,
                       source_human(arguments.run, robot, motion.clip.rate(), console));
   for (const std::string& output : {run.output, arguments.run.png}) {

@@ -11,6 +11,7 @@ from typing import Any
 from retarget import packs
 from retarget._errors import UsageError
 from retarget.data_set.manifest import FOLDER, read_manifest
+from retarget.packs._clips import BatchClips
 from retarget.packs._parts import new_file
 
 _WRITERS: dict[str, Callable[..., object]] = {
@@ -51,7 +52,7 @@ def pack_passed(folder: Path, robot: str, kind: str, options: Mapping[str, Any])
 
 
 def _contents(folder: Path, kind: str, options: Mapping[str, Any],
-              clips: Mapping[str, Path]) -> str:
+              clips: BatchClips) -> str:
     """Returns a record of everything that determines the bytes of a pack."""
     files = {str(file.relative_to(folder)) for file in clips.values()}
     digest = hashlib.sha256()
@@ -59,5 +60,8 @@ def _contents(folder: Path, kind: str, options: Mapping[str, Any],
         for file in outputs or []:
             if file["file"] in files:
                 digest.update(f"{file['file']}\0{file['hash']}\n".encode(errors="surrogateescape"))
-    return json.dumps({"kind": kind, "options": sorted(options.items()),
-                       "files": digest.hexdigest()}, default=str)
+    contents: dict[str, Any] = {"kind": kind, "options": sorted(options.items()),
+                                "files": digest.hexdigest()}
+    if clips.csv_rates:
+        contents["csv_rates"] = sorted(set(clips.csv_rates.values()))
+    return json.dumps(contents, default=str)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -28,7 +29,16 @@ class NamedMotion:
     """Path of the file that the motion was read from; empty for a Motion."""
 
 
-def clips_of(folder: StrPath, ending: str | None = None) -> dict[str, Path]:
+class BatchClips(dict[str, Path]):
+    """Files of a batch by the name of their clip."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.csv_rates: dict[str, float] = {}
+        """Frames per second of CSVs, which do not state them, by name, as the batch recorded."""
+
+
+def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
     """Returns the passed motions of a batch by name.
 
     Args:
@@ -37,7 +47,8 @@ def clips_of(folder: StrPath, ending: str | None = None) -> dict[str, Path]:
             Names lack it; without `ending`, names lack the last extension.
 
     Returns:
-        Files by the name of their clip, "a/walk".
+        Files by the name of their clip, "a/walk". The writers read CSVs at the rate that the
+        manifest of the batch records.
 
     Raises:
         InputError: the folder has no passed.txt.
@@ -48,7 +59,8 @@ def clips_of(folder: StrPath, ending: str | None = None) -> dict[str, Path]:
     if not listed.is_file():
         raise InputError(f"{listed}: no such file; expected the output folder of a batch",
                          file=str(listed))
-    clips: dict[str, Path] = {}
+    clips = BatchClips()
+    csvs: dict[str, str] = {}
     for line in listed.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
         if not line or (ending is not None and not line.endswith(ending)):
             continue
@@ -57,7 +69,42 @@ def clips_of(folder: StrPath, ending: str | None = None) -> dict[str, Path]:
             raise UsageError(f'"{line}" and "{clips[name]}" have the same name; '
                              'ending=".mjlab.npz" takes the files with this end')
         clips[name] = folder / line
+        if line.lower().endswith(".csv"):
+            csvs[line] = name
+    if csvs:
+        clips.csv_rates = {csvs[file]: fps for file, fps in _recorded_rates(folder)
+                           if file in csvs and fps > 0}
     return clips
+
+
+def _recorded_rates(folder: Path) -> Iterator[tuple[str, float]]:
+    """Yields the files of a batch, relative to its folder, with their frames per second."""
+    manifest = folder / "manifest.jsonl"
+    if manifest.is_file():
+        with manifest.open("rb") as lines:
+            for line in lines:
+                yield from _rates_of_line(line)
+    elif (folder / "manifest").is_dir():
+        # Of retarget_dataset(); this module cannot import it above, because it imports packs.
+        from retarget.data_set.manifest import read_manifest
+
+        table = read_manifest(folder, ["outputs", "fps"])
+        for batch in table.to_batches():
+            for row in batch.to_pylist():
+                yield from ((each["file"], row["fps"] or 0.0) for each in row["outputs"] or [])
+
+
+def _rates_of_line(line: bytes) -> Iterator[tuple[str, float]]:
+    """Yields the files of a line of manifest.jsonl; none for a truncated line."""
+    try:
+        entry = json.loads(line)
+        for output in entry["outputs"]:
+            # A name that is not UTF-8 has its bytes beside it.
+            name = output.get("file_hex")
+            yield (output["file"] if name is None else
+                   bytes.fromhex(name).decode(errors="surrogateescape")), float(entry["fps"])
+    except (AttributeError, KeyError, TypeError, ValueError):
+        return
 
 
 def ascending(clips: Clips) -> Iterator[tuple[str, Source]]:
@@ -85,7 +132,10 @@ def is_name(name: str) -> bool:
 
 
 class MotionReader:
-    """Reads motions of one robot at one frame rate, `fps`, which is also that of CSVs."""
+    """Reads motions of one robot at one frame rate, `fps`, which is also that of CSVs.
+
+    Without `fps`, CSVs have the rate of their sidecar or of the manifest of their batch.
+    """
 
     def __init__(self, robot: _retarget.Robot | StrPath | None, fps: float | None) -> None:
         if robot is not None and not isinstance(robot, _retarget.Robot):
@@ -93,6 +143,7 @@ class MotionReader:
         self.robot = robot
         self.fps = fps
         self._csv_fps = fps
+        self._csv_rates: Mapping[str, float] = {}
         self.joint_names: list[str] | None = None
         self.contact_names: list[str] = []
 
@@ -103,6 +154,8 @@ class MotionReader:
             UsageError: files without `robot`, or motions that differ in joints or frame rate.
             InputError: a file that is not a motion of the robot.
         """
+        if isinstance(clips, BatchClips):
+            self._csv_rates = clips.csv_rates
         for name, source in ascending(clips):
             motion = self._motion(name, source)
             self._check(name, motion)
@@ -117,9 +170,16 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        # Other files have their own rate, which this option would override.
-        rate = self._csv_fps if os.fspath(source).lower().endswith(".csv") else None
-        return retarget.load_motion(source, self.robot, source_fps=rate)
+        return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source))
+
+    def _rate(self, name: str, source: StrPath) -> float | None:
+        """Returns the rate of a CSV; None: the file or its sidecar has a rate."""
+        file = os.fspath(source)
+        if not file.lower().endswith(".csv"):
+            return None
+        if self._csv_fps is not None or os.path.isfile(file + ".json"):
+            return self._csv_fps
+        return self._csv_rates.get(name)
 
     def _check(self, name: str, motion: _retarget.Motion) -> None:
         if self.joint_names is None:

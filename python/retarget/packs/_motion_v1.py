@@ -42,8 +42,9 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
         clips: motions by name. "/" in a name becomes "__" in `sequence_id`.
         folder: new folder; up to `max_clips` clips share a folder part-000000, part-000001, ...
         robot: robot of motion files, or an argument of Robot(); not needed for Motion objects.
-        fps: frames per second that all motions must have, and rate of CSVs, which have none;
-            None: the rate of the first motion, and 30 for CSVs.
+        fps: frames per second that all motions must have, and rate of CSVs; None: the rate of the
+            first motion. CSVs then have the rate of their sidecar, or that of the manifest for
+            packs.clips_of(), or 30.
         end_effectors: names of E bodies for `ee_pose_w` (F, E, 7); None: left_wrist_yaw_link and
             right_wrist_yaw_link, if the robot has them.
         robot_name: value of `robot_name`; None: the robot's name.

@@ -28,8 +28,7 @@ constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
 // Further uses of an option. To judge or show a motion, its source must be read and interpreted as
 // in the run that made it.
 constexpr OptionUse kJudged = OptionUse::kMeasure | OptionUse::kShow | OptionUse::kShowBatch;
-constexpr OptionUse kReading =
-    OptionUse::kMeasure | OptionUse::kShowBatch | OptionUse::kInspect | OptionUse::kEdit;
+constexpr OptionUse kReading = kJudged | OptionUse::kInspect | OptionUse::kEdit;
 constexpr OptionUse kHuman = kJudged | OptionUse::kInspect | OptionUse::kEdit | OptionUse::kLive;
 constexpr OptionUse kRobot =
     OptionUse::kMeasure | OptionUse::kShow | OptionUse::kConvert | OptionUse::kLive;
@@ -179,7 +178,7 @@ OptionTable source_table(SourceOptions& options) {
       option("smpl-model", options.smpl_model, kInputGroup, "FILE",
              "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
              "of the same height)",
-             {.file = OptionFile::kContent, .uses = kJudged}),
+             {.file = OptionFile::kContent, .uses = kJudged | OptionUse::kInspect}),
       option("lenient", options.lenient, kInputGroup, "",
              "Keep the complete frames of a damaged file and report the dropped ones",
              {.uses = kReading}),

@@ -1,6 +1,8 @@
 #include "retarget/check_options.h"
 
+#include <algorithm>
 #include <limits>
+#include <string>
 
 #include "base/option_name.h"
 #include "base/try.h"
@@ -154,8 +156,27 @@ Result<void> check_solving_options(const Options& options) {
   return {};
 }
 
+namespace {
+
+// A fit is solved at the rates of its files (solved_rates), and some formats have their own.
+Result<void> check_rate_used(const Options& options) {
+  const auto& formats = options.save.formats;
+  const TimeOptions usual;
+  if (options.solve.method != Method::kFit || formats.empty() || options.time.fps == usual.fps ||
+      options.time.fps == options.save.npz_fps ||
+      !std::ranges::all_of(formats, format_has_own_rate)) {
+    return {};
+  }
+  return usage_failure(
+      OPTION("fps") " has no effect on " + std::string(format_name(formats.front())),
+      OPTION("npz-fps") " N sets the rate of this format");
+}
+
+}  // namespace
+
 Result<void> check_options(const Options& options) {
   TRY(check_solving_options(options));
+  TRY(check_rate_used(options));
   TRY(check_human_options(options.human));
   if (!options.human.map.empty()) TRY(check_bone_map(options.human.map));
   const std::string& tpose = options.human.tpose_file;

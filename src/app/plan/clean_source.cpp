@@ -1,15 +1,18 @@
 #include "app/plan/clean_source.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/clean_clip.h"
 #include "human/gait/floor_tilt.h"
-#include "human/gait/track_faults.h"
+#include "human/gait/repeated_frames.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/option_table.h"
@@ -53,6 +56,26 @@ void doubt_path(double root_moved, Plan& plan) {
                    number_text(root_moved, 2))});
 }
 
+// Interpolation over a long freeze would invent a movement, so the frames are kept.
+void doubt_freezes(const Clip& clip, Plan& plan) {
+  const std::vector<FrameRange> freezes =
+      kept_freezes(clip, plan.part, plan.human.calibration.metres_per_unit);
+  if (freezes.empty()) return;
+  int frames = 0;
+  std::vector<std::string> places;
+  for (const FrameRange& freeze : freezes) {
+    frames += freeze.end - freeze.begin;
+    places.push_back(fmt::format("{} to {}", freeze.begin, freeze.end - 1));
+  }
+  plan.clip_doubts.push_back(
+      {0, 0,
+       fmt::format(
+           "the source stands still in frames {} and jumps afterwards, as after a dropout of "
+           "the tracking system: {} kept, {} s",
+           list_names(places), count_text(frames, "equal frame"),
+           number_text(frames * clip.rate().frame_time(), 2))});
+}
+
 // The rule of `auto` for the G1, by the robot's speed.
 constexpr TravelRule kAutomatic{1.0, 0.85, 0.7, 1.5};
 
@@ -89,6 +112,7 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
 
 void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   if (!may_clean(clip, plan.options)) return;
+  doubt_freezes(clip, plan);
   CleanReport report =
       clean_clip(clip, plan.part, plan.human.calibration, !notes.positions.empty());
   for (const std::string& note : {notes.positions, notes.held}) {

@@ -67,17 +67,38 @@ Result<CalibrationOptions> calibration_options(const HumanOptions& options, cons
   return result;
 }
 
-Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
-                           const std::string& data_folder) {
-  if (!options.map.empty()) return read_bone_map(options.map, clip.skeleton());
+Result<BoneMap> recognise(const Clip& clip, const HumanOptions& options,
+                          const std::string& data_folder) {
   std::filesystem::path folder = data_folder;
   if (folder.empty()) {
     TRY_ASSIGN(folder, find_data_folder(DataFolder{}));
   }
   TRY_ASSIGN(const auto known, load_skeleton_profiles(folder / "configs" / "skeletons"));
-  RecogniseOptions recognise;
-  recognise.partial = options.partial;
-  return recognise_skeleton(clip, known, recognise);
+  RecogniseOptions how;
+  how.partial = options.partial;
+  return recognise_skeleton(clip, known, how);
+}
+
+// Whether a map contradicts another one nowhere: its bones have the same joints or none.
+bool is_part_of(const BoneMap& map, const BoneMap& whole) {
+  return std::ranges::all_of(kMappedBones, [&](Bone bone) {
+    return !map.has(bone) || map.joint(bone) == whole.joint(bone);
+  });
+}
+
+// A map from a file replaces the recognised one. The axes, the rest pose and the height of a known
+// kind of skeleton still apply if the file changes no joint.
+Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
+                           const std::string& data_folder) {
+  if (options.map.empty()) return recognise(clip, options, data_folder);
+  TRY_ASSIGN(BoneMap map, read_bone_map(options.map, clip.skeleton()));
+  const auto found = recognise(clip, options, data_folder);
+  if (!found || !is_part_of(map, *found)) return map;
+  if (map.joint_of_bone == found->joint_of_bone) return *found;
+  map.profile = found->profile;
+  map.confidence = found->confidence;
+  map.facts = found->facts;
+  return map;
 }
 
 }  // namespace

@@ -131,6 +131,9 @@ void note_hands(const Clip& clip, Plan& plan) {
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
   plan.lead_in_frames = frames_to_leave_out(clip, options);
   TRY_ASSIGN(plan.part, chosen_range(options.part, clip.rate(), clip.frame_count()));
+  for (Warning& doubt : range_doubts(options.part, clip.rate(), clip.frame_count())) {
+    plan.clip_doubts.push_back(std::move(doubt));
+  }
   if (plan.lead_in_frames > 0) {
     plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
     const bool one = plan.lead_in_frames == 1;
@@ -240,7 +243,8 @@ std::string summary_text(std::span<const SummaryLine> lines) {
   constexpr std::size_t kLabelWidth = 9;
   std::string text;
   for (const auto& [label, words] : lines) {
-    text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
+    // At least one space separates a long label from the text.
+    text += fmt::format("{:<{}} {}\n", label, kLabelWidth - 1, spell_options(words));
   }
   return text;
 }

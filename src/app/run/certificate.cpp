@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/run/sidecar.h"
@@ -193,6 +194,18 @@ void add_figures(const Certificate& certificate, const Gates& gates, QualityRepo
   gates.judge(report);
 }
 
+// How the sidecar of a motion differs from the recorded one; empty: it does not.
+std::string sidecar_change(const Json& recorded, const Json& now, const std::string& file) {
+  if (recorded == now) return {};
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) {
+    return "the sidecar " + file + ", whose options the certificate records, is missing";
+  }
+  return "the sidecar " + file +
+         (recorded.is_null() ? " was written after the certificate"
+                             : " has changed since the certificate was written");
+}
+
 // The first member in which two documents differ, as a path; empty: none.
 std::string first_difference(const Json& recorded, const Json& now) {
   const auto changes = nlohmann::json::diff(nlohmann::json(recorded), nlohmann::json(now));
@@ -245,6 +258,7 @@ Result<Certificate> certify(const MeasureRequest& asked, Observer& observer) {
                      {"simulated_without_fall", !certificate.fell},
                      {"passed", certificate.passed()}};
   certificate.json = printable_dump(json);
+  certificate.report = std::move(motion.report);
   return certificate;
 }
 
@@ -294,10 +308,13 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
     return {};
   }
   const bool same_version = recorded.value("retarget", Json()) == Json(version_number());
+  const std::string sidecar = sidecar_change(recorded.value("sidecar", Json()), now["sidecar"],
+                                             here.motions.front() + ".json");
   return run_failure(file, "the certificate differs at " + difference,
-                     same_version ? "it was changed, or an input was, or it was made on another "
-                                    "machine"
-                                  : "it was made by another version of this tool");
+                     !sidecar.empty() ? sidecar
+                     : same_version ? "it was changed, or an input was, or it was made on another "
+                                      "machine"
+                                    : "it was made by another version of this tool");
 }
 
 }  // namespace retarget

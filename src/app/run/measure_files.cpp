@@ -50,6 +50,29 @@ Result<void> add_source(const MeasureRequest& request, Run run, LoadedRobot robo
   return {};
 }
 
+// Warns of a motion and a source of different lengths.
+void warn_of_length(const RobotClip& clip, int source_frames, const std::string& file,
+                    Observer& observer) {
+  const int frames = clip.frame_count();
+  const std::string source = "the source has " + count_text(source_frames, "frame");
+  const std::string motion = "the motion has " + count_text(frames, "frame");
+  if (source_frames < frames) {
+    observer.warn({{0, 0,
+                    source + " after its start time, " + motion +
+                        "; contacts and tracking are measured only up to its end"}},
+                  file);
+    return;
+  }
+  // Some formats end one sample before the last frame, and rates differ.
+  constexpr double kUsualDifference = 0.1;  // Seconds.
+  if (source_frames - frames <= kUsualDifference * clip.rate().fps()) return;
+  observer.warn({{0, 0,
+                  motion + " of the " + std::to_string(source_frames) +
+                      " of the source and is compared with the first ones; " OPTION(
+                          "start") " and " OPTION("end") " select another part"}},
+                file);
+}
+
 MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::string& file,
                        Observer& observer) {
   const MeasuredSource* source = measures.source ? &*measures.source : nullptr;
@@ -57,14 +80,7 @@ MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::stri
   if (measure.has_lead_in) {
     observer.line("lead-in", file + " includes the source's leading frames; they are kept");
   }
-  if (source != nullptr && measure.source_frames < clip.frame_count()) {
-    observer.warn(
-        {{0, 0,
-          "the source has " + count_text(measure.source_frames, "frame") +
-              " after its start time, the motion has " + count_text(clip.frame_count(), "frame") +
-              "; contacts and tracking are measured only up to its end"}},
-        file);
-  }
+  if (source != nullptr) warn_of_length(clip, measure.source_frames, file, observer);
   const HumanClip* human = nullptr;
   if (source != nullptr) {
     human = measure.has_lead_in ? &*source->human_with_lead_in : &source->human;

@@ -28,18 +28,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The sidecar of a motion. Returns nothing if it is missing or belongs to another file.
+// The sidecar of a motion. Returns nothing if it is missing or invalid.
 std::optional<Sidecar> sidecar_beside(const std::string& path) {
   const std::string file = path + ".json";
   if (path == "-" || !is_file(file)) return std::nullopt;
   const auto content = read_file(file, ErrorKind::kInput, kMaxTextBytes);
   if (!content) return std::nullopt;
   auto sidecar = read_sidecar(content->view(), file);
-  if (!sidecar || sidecar->output != fs::path(path).filename().string()) return std::nullopt;
-  return *std::move(sidecar);
+  return sidecar ? std::optional<Sidecar>(*std::move(sidecar)) : std::nullopt;
 }
 
-// The sidecar of a motion if its hash matches the current content.
+// The sidecar of a motion if its hash matches the current content. Both may have been renamed.
 std::optional<Sidecar> own_sidecar(const std::string& path) {
   auto sidecar = sidecar_beside(path);
   if (!sidecar || !is_file(path)) return std::nullopt;
@@ -152,7 +151,9 @@ Result<RobotMotion> load_recorded_motion(const std::string& path,
   const std::string name = name_of_sidecar(path);
   if (hash != sidecar->hash) {
     TRY_ASSIGN(auto motion, parse_robot_motion(content.view(), robot, path, options));
-    motion.notes.push_back(name + " belongs to another version of this file and is ignored");
+    if (sidecar->output == fs::path(path).filename().string()) {
+      motion.notes.push_back(name + " belongs to another version of this file and is ignored");
+    }
     return motion;
   }
   TRY(check_recorded_robot(*sidecar, *robot, path));
@@ -170,7 +171,7 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
                             std::string(format_name(motion.format)) + ", " +
                             count_text(motion.clip.frame_count(), "frame") + " at " +
                             to_text(motion.clip.rate()) + " fps" +
-                            (motion.rate_known ? "" : ", not given in the file: " + rate));
+                            (motion.rate_known ? "" : "; the file states no rate: set " + rate));
   for (const std::string& note : motion.notes) observer.line("", note);
   for (const std::string& warning : motion.warnings) observer.warn({{0, 0, warning}}, file);
 }

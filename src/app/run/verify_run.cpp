@@ -96,6 +96,18 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
   return run;
 }
 
+// The motion that a sidecar describes: the file that has the sidecar's name without the ending, or
+// the one with the recorded name.
+Result<fs::path> motion_of(const Sidecar& sidecar, const std::string& file) {
+  const fs::path recorded = fs::path(file).parent_path() / sidecar.output;
+  std::error_code ignored;
+  for (const fs::path& motion : {fs::path(file).replace_extension(), recorded}) {
+    if (motion != fs::path(file) && fs::exists(motion, ignored)) return motion;
+  }
+  return run_failure(recorded.string(), "the motion of the sidecar is missing",
+                     "put it next to the sidecar");
+}
+
 }  // namespace
 
 Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
@@ -123,20 +135,17 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
   for (const std::string& change : changed) observer.line("changed", change);
   if (!outcome) return failure(outcome.error());
 
-  const std::string output = (beside / sidecar.output).string();
-  std::error_code ignored;
-  if (fs::exists(output, ignored)) {
-    TRY_ASSIGN(const std::string there, motion_hash(output));
-    if (there != sidecar.hash) {
-      return run_failure(output, "the file has changed since the sidecar was written");
-    }
+  TRY_ASSIGN(const fs::path output, motion_of(sidecar, file));
+  TRY_ASSIGN(const std::string there, motion_hash(output.string()));
+  if (there != sidecar.hash) {
+    return run_failure(output.string(), "the file has changed since the sidecar was written");
   }
   const WrittenFile& repeated = outcome->motions.front();
   const std::string hint = changed.empty()
                                ? "all recorded inputs match; a different machine or build?"
                                : list_names(changed);
   if (repeated.hash != sidecar.hash) {
-    return run_failure(file, "the output differs from " + sidecar.output, hint);
+    return run_failure(file, "the output differs from " + output.filename().string(), hint);
   }
   const auto altered = altered_members(content.view(), repeated.sidecar);
   if (altered && !altered->empty()) {
@@ -146,10 +155,10 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
             list_names(*altered),
         changed.empty() ? "" : hint);
   }
-  observer.line("verified",
-                sidecar.output + (altered ? ": the output and its report are identical"
-                                          : ": the output is identical; another build wrote the "
-                                            "sidecar, so its report was not compared"));
+  observer.line("verified", output.filename().string() +
+                                (altered ? ": the output and its report are identical"
+                                         : ": the output is identical; another build wrote the "
+                                           "sidecar, so its report was not compared"));
   return {};
 }
 

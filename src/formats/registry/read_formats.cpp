@@ -175,7 +175,7 @@ Result<HumanFile> read_array_file(std::string_view bytes, const std::string& fil
     motion.warnings.push_back(
         {0, 0,
          "bone lengths and the zero pose are those of a generic body, so limbs "
-         "may be up to 20 degrees off; " OPTION("smpl-model") " FILE uses your body model"});
+         "may be up to 20 degrees off; pass your body model with " OPTION("smpl-model")});
   }
   ClipOrigin origin;
   origin.name = file;

@@ -106,8 +106,8 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
   const auto other = [](QuaternionOrder order) {
     return order == QuaternionOrder::kXyzw ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
   };
-  const auto pair_text = [](double of_xyzw, double of_wxyz, int decimals) {
-    return number_text(of_xyzw, decimals) + " as xyzw, " + number_text(of_wxyz, decimals) +
+  const auto pair_text = [](double of_xyzw, double of_wxyz, const char* unit) {
+    return number_text(of_xyzw, 2) + unit + " as xyzw, " + number_text(of_wxyz, 2) + unit +
            " as wxyz";
   };
   OrderGuess guess;
@@ -132,9 +132,10 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
   const auto steadier = slip[0] <= slip[1] ? QuaternionOrder::kXyzw : QuaternionOrder::kWxyz;
   const double max = std::max(slip[0], slip[1]);
   const bool clearly_steadier = max > kSlips && std::min(slip[0], slip[1]) < kClearlyLess * max;
-  const std::string upright_text = "the root stands upright by " + pair_text(up[0], up[1], 2);
-  const std::string slip_text = "the lowest foot slips by " +
-                                pair_text(1000.0 * slip[0], 1000.0 * slip[1], 2) + " mm per frame";
+  const std::string upright_text =
+      "the vertical component of the root's up axis is " + pair_text(up[0], up[1], "");
+  const std::string slip_text =
+      "the lowest foot slips by " + pair_text(1000.0 * slip[0], 1000.0 * slip[1], " mm per frame");
   if (highest > kStands && highest - std::min(up[0], up[1]) > kClearlyUpright) {
     guess.reason = upright_text;
     // A robot that lies may stand upright in the wrong order, but its feet slip then.

@@ -130,6 +130,7 @@ class TrackingMaker {
     const Vector3d linear = (samples.position[at.after] - samples.position[at.before]) / time;
     posed_.update(samples.qpos[i]);
     find_velocities(linear, root_angular);
+    append(motion_.root_lin_vel, linear);
     for (const int joint : layout_.joints) {
       motion_.joint_pos.push_back(samples.qpos[i][robot_.joints()[joint].qpos_address]);
       motion_.joint_vel.push_back(speeds_[joint]);

@@ -142,7 +142,7 @@ void add_joints_behind_root(const TrackingMotion& motion, NpzWriter& npz) {
     append_row(positions, motion.body_pos, 3 * frame * bodies, 3);
     append_row(positions, motion.body_quat, 4 * frame * bodies, 4);
     append_row(positions, motion.joint_pos, frame * joints, joints);
-    append_row(velocities, motion.body_lin_vel, 3 * frame * bodies, 3);
+    append_row(velocities, motion.root_lin_vel, 3 * frame, 3);
     append_row(velocities, motion.body_ang_vel, 3 * frame * bodies, 3);
     append_row(velocities, motion.joint_vel, frame * joints, joints);
   }

@@ -197,9 +197,14 @@ class PlacesReader {
       for (int joint = 0; joint < motion_.joint_count; ++joint) {
         const Eigen::Vector3d& place = motion_.position(frame, joint);
         if (place.allFinite()) continue;
+        const bool is_lost = place.array().isNaN().any();
         return file_.array_failure(
-            name_, fmt::format("{} in frame {}, joint {}",
-                               place.array().isNaN().any() ? "NaN" : "infinity", frame, joint));
+            name_,
+            fmt::format("{} in frame {}, joint {}", is_lost ? "NaN" : "infinity", frame, joint),
+            is_lost ? fmt::format("missing joints (all three coordinates NaN) are interpolated for "
+                                  "at most {} frames, not at the start or end",
+                                  kLongestBridge)
+                    : "");
       }
     }
     return {};

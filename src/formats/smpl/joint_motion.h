@@ -81,10 +81,13 @@ struct JointOrder {
 /// Orders of Kimodo's files, which also have joint rotations. Their joint counts are distinct.
 [[nodiscard]] std::span<const JointOrder> kimodo_orders();
 
+/// Longest gap that bridge_lost_points() fills, frames.
+inline constexpr int kLongestBridge = 30;
+
 /// Bridges frames in which a joint is lost by a straight line between those in which it is known. A
 /// joint is lost if its coordinates are NaN, or if it is exactly at the origin, far from its
-/// positions before and after. Bridges at most 30 frames, and none at the start or end. Adds
-/// warnings with the joints and the number of frames.
+/// positions before and after. Bridges at most kLongestBridge frames, and none at the start or end.
+/// Adds warnings with the joints and the number of frames.
 void bridge_lost_points(JointMotion& motion);
 
 }  // namespace retarget

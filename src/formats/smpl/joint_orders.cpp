@@ -145,14 +145,13 @@ class LostPoints {
 
   // Returns the number of lost frames.
   int bridge() {
-    constexpr int kLongest = 30;  // Frames.
     int lost = 0;
     for (int begin = 0, end = 0; begin < motion_.frame_count; begin = end) {
       end = begin + 1;
       if (!may_be_lost(begin)) continue;
       while (end < motion_.frame_count && may_be_lost(end)) ++end;
       if (begin == 0 || end == motion_.frame_count) continue;
-      if (end - begin > kLongest) continue;
+      if (end - begin > kLongestBridge) continue;
       const Vector3d before = place(begin - 1), after = place(end);
       const double jump = std::min(before.norm(), after.norm());
       const bool has_numbers = place(begin).allFinite();

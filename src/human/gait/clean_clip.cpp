@@ -13,6 +13,7 @@
 #include "formats/smpl/joint_motion.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/plant_noisy_feet.h"
+#include "human/gait/repeated_frames.h"
 #include "human/gait/root_drift.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/track_faults.h"

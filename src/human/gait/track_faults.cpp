@@ -39,25 +39,6 @@ std::vector<char> zero_poses(const Clip& clip, FrameRange part) {
   return zero;
 }
 
-// Sum of the rotation angles of all joints from a frame to the next one.
-double turn_of_body(const Clip& clip, int frame) {
-  const auto from = std::as_const(clip).rotations(frame);
-  const auto to = std::as_const(clip).rotations(frame + 1);
-  double sum = 0.0;
-  for (std::size_t joint = 0; joint < from.size(); ++joint) {
-    sum += angle_between_rotations(from[joint], to[joint]);
-  }
-  return sum;
-}
-
-bool equal_frames(const Clip& clip, int a, int b) {
-  const auto same = [](const Quaterniond& p, const Quaterniond& q) {
-    return p.coeffs() == q.coeffs();
-  };
-  return std::ranges::equal(clip.rotations(a), clip.rotations(b), same) &&
-         std::ranges::equal(clip.translations(a), clip.translations(b));
-}
-
 // Movement of a joint in the frames around a gap, without other frames in which it is lost.
 struct MovementAround {
   double step = 0.0;  // Largest angle between neighbouring frames.
@@ -126,107 +107,6 @@ std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
                     count_text(lost, "frame"));
   }
   return found;
-}
-
-namespace {
-
-// By frame of the part, except its last: turn_of_body().
-std::vector<double> turns_of_body(const Clip& clip, FrameRange part) {
-  std::vector<double> turns;
-  for (int frame = part.begin; frame + 1 < part.end; ++frame) {
-    turns.push_back(turn_of_body(clip, frame));
-  }
-  return turns;
-}
-
-// Runs of equal frames, also those of a single frame.
-std::vector<FrameRange> runs_of_equal_frames(const Clip& clip, FrameRange part) {
-  std::vector<FrameRange> runs;
-  for (int begin = part.begin, end = 0; begin < part.end; begin = end) {
-    end = begin + 1;
-    while (end < part.end && equal_frames(clip, begin, end)) ++end;
-    runs.push_back({begin, end});
-  }
-  return runs;
-}
-
-// Sums over the first values: sums[i] is the sum of values before i.
-std::vector<double> running_sums(const std::vector<double>& values) {
-  std::vector<double> sums(1, 0.0);
-  for (const double value : values) sums.push_back(sums.back() + value);
-  return sums;
-}
-
-}  // namespace
-
-int interpolate_held_frames(Clip& clip, FrameRange part) {
-  constexpr double kLongest = 0.25;           // Seconds.
-  constexpr double kAround = 0.5;             // Seconds to either side.
-  constexpr double kCaughtUp = 0.4;           // Share of the movement during the run.
-  constexpr double kLeastShare = 1.0 / 12.0;  // Of the frames that move.
-  constexpr int kFewest = 6;
-  const std::vector<FrameRange> runs = runs_of_equal_frames(clip, part);
-  if (part.end - part.begin - static_cast<int>(runs.size()) < kFewest) return 0;
-  const double frame_time = clip.rate().frame_time();
-  const std::vector<double> turns = turns_of_body(clip, part);
-  const std::vector<double> sums = running_sums(turns);
-  const int around = std::max(2, static_cast<int>(std::lround(kAround / frame_time)));
-  const auto usual_turn = [&](int frame) {
-    const int steps = static_cast<int>(turns.size());
-    const int first = std::clamp(frame - part.begin - around, 0, steps);
-    const int last = std::clamp(frame - part.begin + around, first, steps);
-    return (sums[static_cast<std::size_t>(last)] - sums[static_cast<std::size_t>(first)]) /
-           std::max(1, last - first);
-  };
-  int repeated = 0, moving = 0, longest = 0;
-  for (const FrameRange& run : runs) {
-    const int length = run.end - run.begin;
-    const double usual = usual_turn(run.begin);
-    if (!(usual > 0.0) || length * frame_time > kLongest) continue;
-    moving += length;
-    if (length < 2 || run.end == part.end) continue;
-    // After a hold, the body catches up in a single step. After a rest, it starts slowly.
-    const double next = turns[static_cast<std::size_t>(run.end - 1 - part.begin)];
-    if (!(next > kCaughtUp * length * usual)) continue;
-    repeated += length - 1;
-    longest = std::max(longest, length);
-  }
-  if (repeated < kFewest || repeated < kLeastShare * moving) return 0;
-  int interpolated = 0;
-  for (const FrameRange& run : runs) {
-    const int length = run.end - run.begin;
-    if (length > longest || run.end == part.end) continue;
-    if (length > 1) bridge_body(clip, {run.begin + 1, run.end});
-    interpolated += length - 1;
-  }
-  return interpolated;
-}
-
-int bridge_frozen_frames(Clip& clip, FrameRange part) {
-  constexpr int kFewest = 3, kAround = 5;
-  constexpr double kLongest = 1.0;  // Seconds.
-  const std::vector<double> turns = turns_of_body(clip, part);
-  const auto turn = [&](int frame) { return turns[static_cast<std::size_t>(frame - part.begin)]; };
-  std::vector<FrameRange> runs;
-  int frozen = 0;
-  for (const auto& [begin, end] : runs_of_equal_frames(clip, part)) {
-    const int length = end - begin;
-    if (length < kFewest || length * clip.rate().frame_time() > kLongest) continue;
-    if (begin - kAround < part.begin || end + kAround >= part.end) continue;
-    std::vector<double> around;
-    for (int i = 1; i <= kAround; ++i) {
-      around.push_back(turn(begin - i));
-      around.push_back(turn(end - 1 + i));
-    }
-    // After a freeze, the body catches up in a single step.
-    const double usual = median(around);
-    if (!(usual > 0.0) || !(turn(end - 1) > std::max(2.0, 0.4 * length) * usual)) continue;
-    runs.push_back({begin + 1, end});
-    frozen += length - 1;
-  }
-  if (3 * frozen > part.end - part.begin) return 0;
-  for (const FrameRange& run : runs) bridge_body(clip, run);
-  return frozen;
 }
 
 namespace {

@@ -14,19 +14,6 @@ namespace retarget {
 /// @return one sentence per joint: `LeftForeArm was lost in 9 frames`.
 std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part);
 
-/// Interpolates over frames that repeat their predecessor, in clips that were written at a higher
-/// rate than they were captured: frames of one capture are equal, and the body catches up in the
-/// step to the next capture. At least a twelfth of the moving frames repeat their predecessor.
-/// Otherwise does not change the clip.
-/// @return number of interpolated frames.
-int interpolate_held_frames(Clip& clip, FrameRange part);
-
-/// Interpolates over frozen frames: at least three equal ones in a row within a movement, followed
-/// by a jump to where the body would have moved. Clips with more than a third of such frames stay
-/// unchanged: they were upsampled from fewer frames.
-/// @return number of interpolated frames.
-int bridge_frozen_frames(Clip& clip, FrameRange part);
-
 /// Jitter of a track of rotations or positions, measured by changes of velocity between frames. In
 /// a movement neighbouring changes are similar; in noise they alternate. Their correlation is -1/2
 /// if errors accumulate (each frame's error is the last one's plus a random part), and -2/3 if

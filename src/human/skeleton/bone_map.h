@@ -23,7 +23,7 @@ namespace retarget {
 [[nodiscard]] Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
                                              const Skeleton& skeleton);
 
-/// Checks what a bone map states without a skeleton: syntax, names of bones, types of values,
+/// Checks what a bone map states without a skeleton: syntax, bone names, types of values,
 /// hips. A stream has no skeleton yet when its options are checked.
 /// Errors (kConfig): as parse_bone_map.
 [[nodiscard]] Result<void> check_bone_map(const std::string& path);

@@ -16,6 +16,7 @@
 #include "human/skeleton/learned_axes.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/rest_pose.h"
+#include "human/skeleton/stated_axes.h"
 #include "human/skeleton/units.h"
 #include "human/skeleton/up_axis.h"
 #include "human/skeleton/up_evidence.h"
@@ -83,7 +84,7 @@ std::string describe_calibration(const Calibration& calibration, const std::stri
   const std::string compared = evidence.empty() ? "" : "; " + evidence;
   const std::string rest_pose =
       calibration.rest_pose != "learned"
-          ? fmt::format("from {} ({:.0f} degrees off{})", calibration.rest_pose,
+          ? fmt::format("from {} ({:.0f} degrees off a T-pose{})", calibration.rest_pose,
                         calibration.rest_deviation, compared)
       : evidence.empty() ? std::string("learned from the movement")
                          : fmt::format("learned from the movement ({})", evidence);
@@ -157,10 +158,17 @@ class Calibrator {
     movement_.lead_in = count_lead_in_frames(clip_);
     movement_.frames = sampled_frames(clip_, movement_.lead_in);
     for (const int frame : movement_.frames) movement_.poses.push_back(frame_pose(clip_, frame));
+    UpChoice up = find_up();
+    movement_.up = up.axis;
     if (options_.up) {
       movement_.up = nearest_axis(*options_.up);
-      return;
+      up.doubt = doubt_stated_up(body_, movement_.poses, *options_.up, up);
     }
+    if (!up.doubt.empty()) doubt(std::move(up.doubt));
+  }
+
+  // The up axis without the statement of the user.
+  [[nodiscard]] UpChoice find_up() const {
     KnownUp known;
     if (clip_.origin().up) known.of_file = nearest_axis(*clip_.origin().up);
     // A skeleton made from joint positions has the axes of the body, not those of a kind of file.
@@ -171,9 +179,7 @@ class Calibrator {
       known.of_zero_pose = nearest_axis(zero->axes.row(2));
     }
     known.of_fall = free_fall_axis(clip_, body_, movement_.lead_in);
-    UpChoice up = choose_up(body_, movement_.poses, known);
-    movement_.up = up.axis;
-    if (!up.doubt.empty()) doubt(std::move(up.doubt));
+    return choose_up(body_, movement_.poses, known);
   }
 
   Result<Unit> find_unit(double hip_height, double height) {
@@ -299,6 +305,10 @@ class Calibrator {
     result.profile = map_.profile;
     evidence_ = found.evidence;
     if (!found.doubt.empty()) doubt(found.doubt);
+    if (options_.forward) {
+      auto text = doubt_stated_forward(body_, posed, *options_.forward);
+      if (!text.empty()) doubt(std::move(text));
+    }
     result.metres_per_unit = unit.metres;
     result.human_from_source = z_up_from_file(options_.up.value_or(movement_.up.direction()));
     result.bones = bone_sources(body_, found.axes, posed.pose);

@@ -287,8 +287,11 @@ Result<Rest> find_rest(const RestSearch& search) {
   const std::size_t other = runner_up(scored, chosen);
   Rest rest = scored[chosen].rest;
   if (other != chosen) {
-    rest.evidence = fmt::format("expected error {:.1f} degrees, {} {:.1f}", scored[chosen].error,
-                                name_of(scored[other]), scored[other].error);
+    const bool is_learned = scored[other].rest.name == kLearnedName;
+    rest.evidence = fmt::format(
+        "expected error {:.1f} degrees; next best: {}, {:.1f} degrees", scored[chosen].error,
+        is_learned ? "axes learned from the movement" : scored[other].rest.name,
+        scored[other].error);
   }
   // Rotations that were computed from directions have no rest pose to choose.
   const bool is_made = search.map.facts.rest == RestPose::kLearned;

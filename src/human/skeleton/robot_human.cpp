@@ -5,6 +5,7 @@
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/robot_human.h"
+#include "human/skeleton/stated_axes.h"
 #include "human/skeleton/up_axis.h"
 #include "human/skeleton/up_evidence.h"
 #include "retarget/human_skeleton.h"
@@ -253,19 +254,16 @@ Calibration calibration_of_robot(const Clip& clip, const BoneMap& map) {
 
 void settle_robot_up(const Clip& clip, const BoneMap& map,
                      const std::optional<Eigen::Vector3d>& told, Calibration& calibration) {
-  if (told) {
-    calibration.up = nearest_axis(*told);
-  } else {
-    const Body body(clip.skeleton(), map);
-    std::vector<JointPoses> poses;
-    for (const int frame : sampled_frames(clip)) poses.push_back(frame_pose(clip, frame));
-    KnownUp known;
-    known.of_file = SignedAxis{2, false};
-    known.of_fall = free_fall_axis(clip, body, 0);
-    UpChoice choice = choose_up(body, poses, known);
-    calibration.up = choice.axis;
-    if (!choice.doubt.empty()) calibration.doubts.push_back({0, 0, std::move(choice.doubt)});
-  }
+  const Body body(clip.skeleton(), map);
+  std::vector<JointPoses> poses;
+  for (const int frame : sampled_frames(clip)) poses.push_back(frame_pose(clip, frame));
+  KnownUp known;
+  known.of_file = SignedAxis{2, false};
+  known.of_fall = free_fall_axis(clip, body, 0);
+  UpChoice choice = choose_up(body, poses, known);
+  calibration.up = told ? nearest_axis(*told) : choice.axis;
+  if (told) choice.doubt = doubt_stated_up(body, poses, *told, choice);
+  if (!choice.doubt.empty()) calibration.doubts.push_back({0, 0, std::move(choice.doubt)});
   const Eigen::Vector3d up = told.value_or(calibration.up.direction());
   if (up == Eigen::Vector3d::UnitZ()) return;
   calibration.human_from_source = z_up_from_file(up);

@@ -255,6 +255,18 @@ std::vector<Vector3d> centres_of_mass(const RobotClip& clip, const Inertias& ine
   return centres;
 }
 
+// Names the frames with accelerations that no motion of a person has.
+void name_jolts(const std::vector<double>& accelerations, const ReportBuilder& draft) {
+  constexpr double kLarge = 50.0;  // m/s^2
+  FaultList jolts("root_acc_max", "m/s^2");
+  for (std::size_t frame = 0; frame < accelerations.size(); ++frame) {
+    if (accelerations[frame] > kLarge) {
+      jolts.add("root", static_cast<int>(frame), accelerations[frame]);
+    }
+  }
+  jolts.move_to(draft.report, draft.options.faults_per_metric);
+}
+
 }  // namespace
 
 void measure_body_accelerations(const ReportBuilder& draft) {
@@ -267,7 +279,10 @@ void measure_body_accelerations(const ReportBuilder& draft) {
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     root.emplace_back(clip.qpos(frame)[0], clip.qpos(frame)[1], clip.qpos(frame)[2]);
   }
-  draft.set("root_acc_p99", percentile(accelerations_of(root, fps), 99.0));
+  std::vector<double> of_root = accelerations_of(root, fps);
+  draft.set("root_acc_max", *std::ranges::max_element(of_root));
+  name_jolts(of_root, draft);
+  draft.set("root_acc_p99", percentile(std::move(of_root), 99.0));
   const Inertias inertias = make_inertias(clip.robot());
   if (inertias.mass <= 0.0) return;
   std::vector<double> of_mass = accelerations_of(centres_of_mass(clip, inertias), fps);

@@ -68,6 +68,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "99th percentile over frames of the root's acceleration, computed with a cubic spline through "
      "its positions.",
      kOwn},
+    {"root_acc_max", "m/s^2", "Largest value of the same acceleration.", kOwn},
     {"com_acc_rms", "m/s^2",
      "Root mean square over frames of the acceleration of the centre of mass, computed with a "
      "cubic spline through its positions.",
@@ -242,7 +243,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"lag_s", "s",
      "Delay of the robot's limbs behind the human's: the shift of up to half a second that "
      "maximises the correlation of their angular rates. For clips of at least one second with limb "
-     "movement.",
+     "movement; 0.5 if the limbs move by at least 0.3 rad/s and no shift correlates by 0.3.",
      kOwn},
     {"fast_arm_pct", "%",
      "Angular speed of the robot's upper arms and forearms relative to the human's, over 0.1 s, in "

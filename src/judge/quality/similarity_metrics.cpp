@@ -97,7 +97,7 @@ double band_rms(std::span<const Eigen::Vector3d> points, double low, double high
 
 std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double fps) {
   constexpr double kReach = 0.5, kShortest = 1.0;  // seconds
-  constexpr double kStill = 0.05;                  // rad/s
+  constexpr double kStill = 0.05, kMoving = 0.3;   // rad/s
   constexpr double kAlike = 0.3;                   // Minimum correlation.
   if (limbs.empty() || static_cast<double>(limbs.front().human.size()) < kShortest * fps) {
     return std::nullopt;
@@ -115,7 +115,10 @@ std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double 
   }
   const int lag = best_lag(correlations, reach);
   const auto at = static_cast<std::size_t>(lag + reach);
-  if (!(correlations[at] >= kAlike)) return std::nullopt;
+  // Limbs that clearly move but never like the human's are as wrong as limbs that are late.
+  if (!(correlations[at] >= kAlike)) {
+    return mean_rate(human) >= kMoving ? std::optional(reach / fps) : std::nullopt;
+  }
   if (std::abs(lag) == reach) return lag / fps;
   // Vertex of the parabola through three values.
   const double before = correlations[at - 1], after = correlations[at + 1];

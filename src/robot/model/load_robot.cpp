@@ -125,7 +125,9 @@ std::string install_hint(const std::string& robot) {
 Result<RobotFiles> find_robot(const std::string& name_or_folder, const RobotFolders& folders) {
   const fs::path given(name_or_folder);
   if (!name_or_folder.empty()) {
-    for (const fs::path& robots : folders) {
+    // A path with a separator, such as ./unitree_g1, is never the name of an installed robot.
+    const bool is_name = !given.has_parent_path();
+    for (const fs::path& robots : is_name ? folders : RobotFolders()) {
       for (const fs::path& folder : {robots / given, robots / kUnverified / given}) {
         if (is_file(folder / kModelFile)) return files_in(folder, name_or_folder);
       }

@@ -62,8 +62,8 @@ void note_distrust(FitReport& report) {
   const double share = static_cast<double>(all.distrusted_frames) / (all.end - all.begin);
   if (share < kReportedShare) return;
   report.notes.push_back(
-      fmt::format("dynamics: contacts unknown in {} % of the frames (hands on an object, steps, a "
-                  "wall?); they remain unchanged",
+      fmt::format("dynamics: {} % of the frames remain unchanged, because they have unknown "
+                  "contacts (hands on an object, steps or a wall?)",
                   number_text(100.0 * share, 1)));
 }
 

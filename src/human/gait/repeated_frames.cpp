@@ -1,0 +1,192 @@
+#include "human/gait/repeated_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "human/gait/bridge_frames.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
+
+namespace retarget {
+namespace {
+
+// Sum of the rotation angles of all joints from a frame to the next one.
+double turn_of_body(const Clip& clip, int frame) {
+  const auto from = std::as_const(clip).rotations(frame);
+  const auto to = std::as_const(clip).rotations(frame + 1);
+  double sum = 0.0;
+  for (std::size_t joint = 0; joint < from.size(); ++joint) {
+    sum += log_so3(from[joint].conjugate() * to[joint]).norm();
+  }
+  return sum;
+}
+
+bool equal_frames(const Clip& clip, int a, int b) {
+  const auto same = [](const Eigen::Quaterniond& p, const Eigen::Quaterniond& q) {
+    return p.coeffs() == q.coeffs();
+  };
+  return std::ranges::equal(clip.rotations(a), clip.rotations(b), same) &&
+         std::ranges::equal(clip.translations(a), clip.translations(b));
+}
+
+// By frame of the part, except its last: turn_of_body().
+std::vector<double> turns_of_body(const Clip& clip, FrameRange part) {
+  std::vector<double> turns;
+  for (int frame = part.begin; frame + 1 < part.end; ++frame) {
+    turns.push_back(turn_of_body(clip, frame));
+  }
+  return turns;
+}
+
+// Runs of equal frames, also those of a single frame.
+std::vector<FrameRange> runs_of_equal_frames(const Clip& clip, FrameRange part) {
+  std::vector<FrameRange> runs;
+  for (int begin = part.begin, end = 0; begin < part.end; begin = end) {
+    end = begin + 1;
+    while (end < part.end && equal_frames(clip, begin, end)) ++end;
+    runs.push_back({begin, end});
+  }
+  return runs;
+}
+
+// Sums over the first values: sums[i] is the sum of values before i.
+std::vector<double> running_sums(const std::vector<double>& values) {
+  std::vector<double> sums(1, 0.0);
+  for (const double value : values) sums.push_back(sums.back() + value);
+  return sums;
+}
+
+}  // namespace
+
+int interpolate_held_frames(Clip& clip, FrameRange part) {
+  constexpr double kLongest = 0.25;           // Seconds.
+  constexpr double kAround = 0.5;             // Seconds to either side.
+  constexpr double kCaughtUp = 0.4;           // Share of the movement during the run.
+  constexpr double kLeastShare = 1.0 / 12.0;  // Of the frames that move.
+  constexpr int kFewest = 6;
+  const std::vector<FrameRange> runs = runs_of_equal_frames(clip, part);
+  if (part.end - part.begin - static_cast<int>(runs.size()) < kFewest) return 0;
+  const double frame_time = clip.rate().frame_time();
+  const std::vector<double> turns = turns_of_body(clip, part);
+  const std::vector<double> sums = running_sums(turns);
+  const int around = std::max(2, static_cast<int>(std::lround(kAround / frame_time)));
+  const auto usual_turn = [&](int frame) {
+    const int steps = static_cast<int>(turns.size());
+    const int first = std::clamp(frame - part.begin - around, 0, steps);
+    const int last = std::clamp(frame - part.begin + around, first, steps);
+    return (sums[static_cast<std::size_t>(last)] - sums[static_cast<std::size_t>(first)]) /
+           std::max(1, last - first);
+  };
+  int repeated = 0, moving = 0, longest = 0;
+  for (const FrameRange& run : runs) {
+    const int length = run.end - run.begin;
+    const double usual = usual_turn(run.begin);
+    if (!(usual > 0.0) || length * frame_time > kLongest) continue;
+    moving += length;
+    if (length < 2 || run.end == part.end) continue;
+    // After a hold, the body catches up in a single step. After a rest, it starts slowly.
+    const double next = turns[static_cast<std::size_t>(run.end - 1 - part.begin)];
+    if (!(next > kCaughtUp * length * usual)) continue;
+    repeated += length - 1;
+    longest = std::max(longest, length);
+  }
+  if (repeated < kFewest || repeated < kLeastShare * moving) return 0;
+  int interpolated = 0;
+  for (const FrameRange& run : runs) {
+    const int length = run.end - run.begin;
+    if (length > longest || run.end == part.end) continue;
+    if (length > 1) bridge_body(clip, {run.begin + 1, run.end});
+    interpolated += length - 1;
+  }
+  return interpolated;
+}
+
+namespace {
+
+// Shortest and longest run of equal frames that is interpolated, and the frames around it that show
+// the movement.
+constexpr int kFewestFrozen = 3, kAroundFrozen = 5;
+constexpr double kLongestFrozen = 1.0;  // Seconds.
+
+// A run of equal frames within a movement, and the step after it relative to the steps around it.
+struct Freeze {
+  FrameRange run;
+  double turned = 0.0;  // Rotation in that step, summed over the joints.
+  double moved = 0.0;   // Translation in that step.
+  double usual_turn = 0.0, usual_move = 0.0;
+
+  [[nodiscard]] int length() const { return run.end - run.begin; }
+
+  // Whether the body catches up in a single step, to where it would have turned meanwhile.
+  [[nodiscard]] bool catches_up(double frame_time) const {
+    return length() * frame_time <= kLongestFrozen &&
+           turned > std::max(2.0, 0.4 * length()) * usual_turn;
+  }
+
+  // Whether the body jumps, although it may have turned back meanwhile. The least sizes exclude
+  // files of few digits, whose resting joints tick.
+  [[nodiscard]] bool jumps(double metres_per_unit) const {
+    constexpr double kJump = 3.0, kLeastTurn = 0.2, kLeastMove = 0.05;  // Rad, metres.
+    return (turned > kJump * usual_turn && turned > kLeastTurn) ||
+           (moved > kJump * usual_move && moved * metres_per_unit > kLeastMove);
+  }
+};
+
+// Translation from a frame to the next one, summed over the joints.
+double move_of_body(const Clip& clip, int frame) {
+  const auto from = clip.translations(frame), to = clip.translations(frame + 1);
+  double sum = 0.0;
+  for (std::size_t joint = 0; joint < from.size(); ++joint) sum += (to[joint] - from[joint]).norm();
+  return sum;
+}
+
+std::vector<Freeze> find_freezes(const Clip& clip, FrameRange part) {
+  std::vector<Freeze> found;
+  for (const FrameRange& run : runs_of_equal_frames(clip, part)) {
+    if (run.end - run.begin < kFewestFrozen || run.begin - kAroundFrozen < part.begin ||
+        run.end + kAroundFrozen >= part.end) {
+      continue;
+    }
+    std::vector<double> turns, moves;
+    for (int i = 1; i <= kAroundFrozen; ++i) {
+      for (const int frame : {run.begin - i, run.end - 1 + i}) {
+        turns.push_back(turn_of_body(clip, frame));
+        moves.push_back(move_of_body(clip, frame));
+      }
+    }
+    // The body also moves before and after the run.
+    const double usual = median(turns);
+    if (!(usual > 0.0)) continue;
+    found.push_back({run, turn_of_body(clip, run.end - 1), move_of_body(clip, run.end - 1), usual,
+                     median(moves)});
+  }
+  return found;
+}
+
+}  // namespace
+
+int bridge_frozen_frames(Clip& clip, FrameRange part) {
+  std::vector<FrameRange> runs;
+  int frozen = 0;
+  for (const Freeze& freeze : find_freezes(clip, part)) {
+    if (!freeze.catches_up(clip.rate().frame_time())) continue;
+    runs.push_back({freeze.run.begin + 1, freeze.run.end});
+    frozen += freeze.length() - 1;
+  }
+  if (3 * frozen > part.end - part.begin) return 0;
+  for (const FrameRange& run : runs) bridge_body(clip, run);
+  return frozen;
+}
+
+std::vector<FrameRange> kept_freezes(const Clip& clip, FrameRange part, double metres_per_unit) {
+  std::vector<FrameRange> kept;
+  for (const Freeze& freeze : find_freezes(clip, part)) {
+    if (freeze.catches_up(clip.rate().frame_time()) || !freeze.jumps(metres_per_unit)) continue;
+    kept.push_back(freeze.run);
+  }
+  return kept;
+}
+
+}  // namespace retarget

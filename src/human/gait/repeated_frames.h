@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "retarget/clip.h"
+
+namespace retarget {
+
+/// Interpolates over frames that repeat their predecessor, in clips that were written at a higher
+/// rate than they were captured: frames of one capture are equal, and the body catches up in the
+/// step to the next capture. At least a twelfth of the moving frames repeat their predecessor.
+/// Otherwise does not change the clip.
+/// @return number of interpolated frames.
+int interpolate_held_frames(Clip& clip, FrameRange part);
+
+/// Interpolates over frozen frames: at least three equal ones in a row within a movement, followed
+/// by a jump to where the body would have moved: its joints turn by more than twice their median step
+/// in the five frames to either side, and by more than 0.4 of it per equal frame. Longer freezes than
+/// a second stay, and clips with more than a third of such frames: they were upsampled from fewer
+/// frames.
+/// @return number of interpolated frames.
+int bridge_frozen_frames(Clip& clip, FrameRange part);
+
+/// Frozen frames that bridge_frozen_frames keeps, although the body jumps afterwards: its joints turn
+/// by more than three times their median step around the freeze, or its root moves so, as after a
+/// dropout of a tracking system.
+[[nodiscard]] std::vector<FrameRange> kept_freezes(const Clip& clip, FrameRange part,
+                                                   double metres_per_unit);
+
+}  // namespace retarget
