@@ -213,6 +213,18 @@ class Perturbations(ToolTest):
         self.check(self.made("crawl"), PERTURBATIONS | ON_THE_FLOOR)
 
 
+class OfTheSource(ToolTest):
+    def test_a_source_that_jumps(self):
+        # The fit smooths the jump, and percentiles would hide it in a long clip.
+        head, motion = sample("walk").read_text().split("MOTION\n")
+        lines = motion.splitlines()
+        middle = len(lines) // 2
+        jumped = [f"{float(line.split()[0]) + 80.0} {' '.join(line.split()[1:])}" for line in lines[middle:]]
+        self.write("jump.bvh", head + "MOTION\n" + "\n".join([*lines[:middle], *jumped]) + "\n")
+        done = self.run_tool("--bvh", "jump.bvh", "--robot", "unitree_g1", "--gate", "default", "-o", "out.csv")
+        self.assert_fails(done, 1, "root_acc_max")
+
+
 class NeverOnTheFloor(ToolTest):
     def test_a_robot_without_planned_contacts(self):
         # Feet that are never still make no contact, so only hovering is noticed. (Cleaning would still them.)
