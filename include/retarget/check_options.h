@@ -23,6 +23,9 @@ namespace RETARGET_API retarget {
 /// Rejects contradictory options of method and time (kUsage).
 [[nodiscard]] Result<void> check_solving_options(const Options& options);
 
+/// Rejects a frame rate without effect (kUsage): all formats of a fit have their own rate.
+[[nodiscard]] Result<void> check_rate(const Options& options);
+
 /// Requires one robot, by name or by model, and a retargeting configuration with a model (kUsage).
 [[nodiscard]] Result<void> check_robot_choice(const RobotChoice& robot);
 [[nodiscard]] Result<void> check_config_choice(const RobotChoice& robot,

@@ -84,19 +84,25 @@ class Follow(LiveTest):
             self.assertLess(max(abs(a - b) for a, b in zip(standing, walking)), 1e-3)
 
     def vmc(self, packets):
-        """Times of the human and joint positions, of packets 30 times a second."""
+        """Times of the human and joint positions, of packets 30 times a second, and the longest delay of sender or
+        receiver."""
         process, port = self.listen("--follow", "arms", "--plain", "--fps", "30", "-o", "live.jsonl",
                                     extras="?format=vmc")
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             begin = time.monotonic()
+            delay = 0.0
             for i, packet in enumerate(packets):
                 time.sleep(max(0.0, begin + i / 30 - time.monotonic()))
                 sender.sendto(packet, ("127.0.0.1", port))
+                delay = max(delay, time.monotonic() - begin - i / 30)
         _, messages = self.end(process)
         self.assertIn("0 malformed", messages)
         header, *rows = map(json.loads, (self.folder / "live.jsonl").read_text().splitlines())
         self.assert_arms_alone(rows, header["joints"])
-        return [(row["time"], row["joints"]) for row in rows if row["state"] == "following"]
+        followed = [(row["time"], row["joints"]) for row in rows if row["state"] == "following"]
+        # A receiver without CPU time drops frames.
+        delay = max([delay, *(after[0] - before[0] - 1 / 30 for before, after in zip(followed, followed[1:]))])
+        return followed, delay
 
     def test_vmc(self):
         taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -107,8 +113,12 @@ class Follow(LiveTest):
         # Read during playback: a socket buffer holds fewer packets.
         self.start("-q", "--play", "short.bvh", "--to", f"udp:{taken.getsockname()[1]}?format=vmc", "--speed", "4")
         packets = [taken.recv(65536) for _ in range(FRAMES)]
-        standing = self.vmc(packets)
-        walking = self.vmc([walking_vmc(packet, i / 30) for i, packet in enumerate(packets)])
+        for _ in range(5):
+            standing, delay = self.vmc(packets)
+            walking, other = self.vmc([walking_vmc(packet, i / 30) for i, packet in enumerate(packets)])
+            if max(delay, other) < 0.1:
+                break
+        self.assertLess(max(delay, other), 0.1, "the machine is too busy for this test")
         compared = 0
         for seconds, expected in standing:
             # Both are sampled thirty times a second, at different times, and a busy machine delays single packets.

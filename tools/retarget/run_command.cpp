@@ -93,7 +93,8 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   RETARGET_TRY(check_all_given(run));
   RETARGET_TRY(check_robot_choice(run.robot));
   RETARGET_TRY(check_config_choice(run.robot, run.options.solve));
-  RETARGET_TRY(check_options(run.options));
+  RETARGET_TRY(check_solving_options(run.options));
+  RETARGET_TRY(check_rate(run.options));
   if (request.report == "-") {
     return usage_failure("--report needs a file",
                          "use retarget evaluate --json - to print a report");

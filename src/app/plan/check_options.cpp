@@ -156,10 +156,8 @@ Result<void> check_solving_options(const Options& options) {
   return {};
 }
 
-namespace {
-
 // A fit is solved at the rates of its files (solved_rates), and some formats have their own.
-Result<void> check_rate_used(const Options& options) {
+Result<void> check_rate(const Options& options) {
   const auto& formats = options.save.formats;
   const TimeOptions usual;
   if (options.solve.method != Method::kFit || formats.empty() || options.time.fps == usual.fps ||
@@ -172,11 +170,9 @@ Result<void> check_rate_used(const Options& options) {
       OPTION("npz-fps") " N sets the rate of this format");
 }
 
-}  // namespace
-
 Result<void> check_options(const Options& options) {
   TRY(check_solving_options(options));
-  TRY(check_rate_used(options));
+  TRY(check_rate(options));
   TRY(check_human_options(options.human));
   if (!options.human.map.empty()) TRY(check_bone_map(options.human.map));
   const std::string& tpose = options.human.tpose_file;
