@@ -295,6 +295,27 @@ class Robots(ToolTest):
         self.assertIn("RightUpLge", result.stdout)
         self.assertIn("note: the soles are unknown", result.stdout)
 
+    def test_a_folder_with_the_name_of_an_installed_robot(self):
+        self.write("k1.xml", K1.read_bytes())
+        added = self.run_tool("robots", "add", "unitree_g1", "--model", "k1.xml", "-o", "mine")
+        self.assert_done(added)
+        self.assertIn("an installed robot has the same name: select yours by its path, mine/unitree_g1", added.stderr)
+        (self.folder / "mine/unitree_g1").rename(self.folder / "unitree_g1")
+        run = ("--frames", ":10", "--method", "gmr")
+        own = self.retarget(*run, robot="./unitree_g1", bvh=sample("walk"), output="-")
+        self.assert_done(own)
+        self.assertEqual(len(read_rows(own.stdout)[0]), 7 + 22)
+        installed = self.retarget(*run, robot="unitree_g1", bvh=sample("walk"), output="-")
+        self.assert_done(installed)
+        self.assertEqual(len(read_rows(installed.stdout)[0]), 7 + 29)
+        self.assertIn("./unitree_g1 selects it", installed.stderr)
+        self.assert_fails(self.retarget(*run, robot="./unitree_h1", bvh=sample("walk"), output="-"), 4, "./unitree_h1")
+
+    def test_show_names_the_configuration_of_the_default_method(self):
+        robot = json.loads(self.output_of("show", "unitree_g1", "--json"))
+        self.assertTrue(robot["mapping_file"].endswith("ik.json"), robot["mapping_file"])
+        self.assertTrue(robot["mapping_file_published"].endswith("lafan1_to_unitree_g1.json"))
+
     def test_rejected_models(self):
         self.write("arm.xml", "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/>"
                    "<geom size='1'/></body></body></worldbody></mujoco>")
