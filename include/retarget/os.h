@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -115,6 +116,11 @@ enum class LockKind : unsigned char { kAlone, kShared };
 [[nodiscard]] bool is_out_of_space(int error_number);
 
 [[nodiscard]] int process_id();
+/// For a worker process: leaves Ctrl-C to the parent process, which gets it as well. SIGTERM of the
+/// parent, however often it arrives, sets a flag; SIGTERM of another process ends the worker. No
+/// effect on Windows, where workers are threads.
+/// @param stopped  the flag; must exist until the process ends.
+void leave_interrupts_to_parent(volatile std::sig_atomic_t& stopped);
 /// Name of this computer; empty if unknown.
 [[nodiscard]] std::string host_name();
 /// File of the running program; empty if unknown.

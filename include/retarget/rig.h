@@ -20,9 +20,10 @@ namespace RETARGET_API retarget {
                                            const std::filesystem::path& into, bool force);
 
 /// Writes the robot's folder into the folder `into`, completely or not at all. Creates `into`, but
-/// not its parent. If the name already exists, `force` replaces it atomically, but only if it is a folder whose robot.json make_robot
-/// wrote for a robot of this name. kUsage errors: the name exists and cannot be replaced, it is not
-/// a valid folder name, the parent of `into` does not exist.
+/// not its parent. If the name already exists, `force` replaces it atomically, but only if it is a
+/// folder whose robot.json make_robot wrote for a robot of this name. kUsage errors: the name
+/// exists and cannot be replaced, it is not a valid folder name, the parent of `into` does not
+/// exist.
 /// @return the written folder.
 [[nodiscard]] Result<std::filesystem::path> save_robot(const MadeRobot& robot,
                                                        const std::filesystem::path& into,

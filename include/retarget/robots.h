@@ -39,10 +39,11 @@ struct RobotFiles {
 /// Finds the files of a robot given by its name or its folder.
 ///
 /// @param name_or_folder  a robot in one of the folders, otherwise a folder with a model (the only
-///   meaning of a path with a separator, such as `./unitree_g1`), otherwise a short name: words of one robot's name (`g1`, `toddy`, `adam-lite`), in any letter case.
-///   Names that end with the words take precedence: `g1` matches unitree_g1 but not
-///   unitree_g1_with_hands. Short names are matched against all known robots, so that a name has
-///   the same meaning in every install; the full name of a robot is never completed to another.
+///   meaning of a path with a separator, such as `./unitree_g1`), otherwise a short name: words of
+///   one robot's name (`g1`, `toddy`, `adam-lite`), in any letter case. Names that end with the
+///   words take precedence: `g1` matches unitree_g1 but not unitree_g1_with_hands. Short names are
+///   matched against all known robots, so that a name has the same meaning in every install; the
+///   full name of a robot is never completed to another.
 /// Errors (kConfig): a known robot that is not installed is named, with installation instructions;
 ///   an ambiguous short name lists its matches; an unknown name suggests the nearest one and lists
 ///   all; a folder without a model reports the missing file.

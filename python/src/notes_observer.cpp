@@ -1,10 +1,10 @@
 #include "notes_observer.h"
 
-#include <unistd.h>
 #include <csignal>
 #include <utility>
 
 #include "raise.h"
+#include "retarget/os.h"
 #include "retarget/text.h"
 
 namespace retarget::python {
@@ -12,16 +12,6 @@ namespace {
 
 // Set by signals in a worker process.
 volatile std::sig_atomic_t worker_is_stopped = 0;
-
-// The parent asks a worker to stop; anyone else ends it, which fails only its clip.
-void take_termination(int signal_number, siginfo_t* info, void* /*context*/) {
-  if (info->si_pid == ::getppid()) {
-    worker_is_stopped = 1;
-    return;
-  }
-  std::signal(signal_number, SIG_DFL);
-  ::kill(::getpid(), signal_number);
-}
 
 }  // namespace
 
@@ -53,13 +43,7 @@ void NotesObserver::tell(const std::string& text) const {
 }
 
 void begin_worker() {
-  // The terminal sends Ctrl-C to the parent, which forwards it.
-  std::signal(SIGINT, SIG_IGN);
-  struct sigaction action {};
-  action.sa_sigaction = take_termination;
-  action.sa_flags = SA_SIGINFO;
-  sigemptyset(&action.sa_mask);
-  ::sigaction(SIGTERM, &action, nullptr);
+  os::leave_interrupts_to_parent(worker_is_stopped);
 }
 
 }  // namespace retarget::python

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
@@ -207,6 +208,32 @@ bool is_out_of_space(int error_number) {
 
 int process_id() {
   return ::getpid();
+}
+
+namespace {
+
+// Signal handlers can only access globals.
+volatile std::sig_atomic_t* stop_flag = nullptr;
+
+void take_termination(int signal_number, siginfo_t* info, void* /*context*/) {
+  if (info->si_pid == ::getppid()) {
+    *stop_flag = 1;
+    return;
+  }
+  std::signal(signal_number, SIG_DFL);
+  ::kill(::getpid(), signal_number);
+}
+
+}  // namespace
+
+void leave_interrupts_to_parent(volatile std::sig_atomic_t& stopped) {
+  std::signal(SIGINT, SIG_IGN);
+  stop_flag = &stopped;
+  struct sigaction action {};
+  action.sa_sigaction = take_termination;
+  action.sa_flags = SA_SIGINFO;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGTERM, &action, nullptr);
 }
 
 std::string host_name() {

@@ -402,6 +402,8 @@ int process_id() {
   return static_cast<int>(::GetCurrentProcessId());
 }
 
+void leave_interrupts_to_parent(volatile std::sig_atomic_t& /*stopped*/) {}
+
 std::string host_name() {
   std::array<wchar_t, MAX_COMPUTERNAME_LENGTH + 1> name{};
   DWORD size = name.size();

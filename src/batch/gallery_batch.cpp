@@ -102,8 +102,9 @@ RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry) {
   RecordedFile source;
   for (const std::string& place : places_of(batch, entry.input.file)) {
     source.is_there = source.is_there || is_file(place);
-    if (source.path.empty() && has_recorded_content(entry.input, place, FileUse::kInput))
+    if (source.path.empty() && has_recorded_content(entry.input, place, FileUse::kInput)) {
       source.path = place;
+    }
   }
   return source;
 }

@@ -64,8 +64,8 @@ struct BatchSelection {
 
 /// Compacts the manifest of a finished batch to one line per clip and robot. If the batch is not a
 /// shard, also merges the manifests of shards like merge_manifests, drops clips that are gone,
-/// applies the rules to all entries, and writes summary.csv and, for the selected motions, the lists
-/// of passed ones.
+/// applies the rules to all entries, and writes summary.csv and, for the selected motions, the
+/// lists of passed ones.
 [[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                                             const BatchSelection& selection,
                                             const DataSetRules& rules, Observer& observer);

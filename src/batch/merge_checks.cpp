@@ -57,12 +57,8 @@ std::set<std::pair<std::string_view, std::string_view>> clips_among(
 Result<void> check_merge(const BatchRequest& request) {
   constexpr const char* kOnlyJoins = RETARGET_OPTION("merge") " only joins manifests";
   BatchRequest given = request, plain;
-  const OptionTable rows = rows_of_merge(given), defaults = rows_of_merge(plain);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string& name = rows[i].name;
+  for (const std::string& name : changed_options(rows_of_merge(given), rows_of_merge(plain))) {
     if (std::ranges::find(kOfMerges, name) != kOfMerges.end()) continue;
-    // Texts, because the number that stands for "not given" differs from itself.
-    if (to_text(rows[i].get()) == to_text(defaults[i].get())) continue;
     // It selects the files of a pack.
     if (name == "format" && !request.pack.empty()) continue;
     return refused_by_merge(marked_option(name),

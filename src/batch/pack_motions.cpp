@@ -99,8 +99,9 @@ class MotionPack {
     const RecordState state = look_at(*clip.record, clip.path, FileUse::kOutput);
     if (state == RecordState::kSame) return {};
     if (state == RecordState::kUnsure &&
-        has_recorded_content(*clip.record, clip.path, FileUse::kOutput))
+        has_recorded_content(*clip.record, clip.path, FileUse::kOutput)) {
       return {};
+    }
     std::error_code ignored;
     const bool there = fs::exists(clip.path, ignored);
     return input_failure(clip.path,

@@ -46,7 +46,7 @@ class Selection(BatchTest):
         self.assertGreater(without, first + 10)
         sidecar.write_text(content)
         self.assertEqual(frames("--resume"), (first, False))
-        # Another time with the same content is no change.
+        # A new modification time without a new content is not a change.
         os.utime(sidecar, (1, 1))
         self.assert_done(self.batch("--from-robot", "g1", "--fps", "30", "--resume",
                                     robot="booster_t1"))

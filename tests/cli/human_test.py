@@ -144,7 +144,7 @@ class WhatIsUnderstood(ToolTest):
         self.assertIn("LeftForeArm", json.dumps(bone_map))
         self.assert_done(self.retarget("--map", "map.json", bvh=walk, output="b.csv"))
         self.assertEqual((self.folder / "a.csv").read_bytes(), (self.folder / "b.csv").read_bytes())
-        # A map that only leaves bones out keeps what is known about the kind of skeleton.
+        # A map that only omits bones keeps the profile of the skeleton.
         self.write("map.json", json.dumps({**bone_map, "Spine1": None}))
         report = self.inspect(walk, "--map", "map.json")
         self.assertEqual((report["dialect"], report["rest_pose"]), ("lafan1", "lafan1"))

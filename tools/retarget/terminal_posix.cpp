@@ -1,11 +1,11 @@
 // Signals and terminals of Linux and macOS.
 
-#include <sys/types.h>
 #include <unistd.h>
 #include <atomic>
 #include <csignal>
 
 #include "console.h"
+#include "retarget/os.h"
 
 namespace retarget::cli {
 namespace {
@@ -20,16 +20,6 @@ std::atomic<int> guards = 0;
 void note_interrupt(int signal_number) {
   interrupt_seen = 1;
   std::signal(signal_number, SIG_DFL);
-}
-
-// In a worker: its parent asks it to stop; anyone else ends it, which fails only its clip.
-void take_termination(int signal_number, siginfo_t* info, void* /*context*/) {
-  if (info->si_pid == ::getppid()) {
-    interrupt_seen = 1;
-    return;
-  }
-  std::signal(signal_number, SIG_DFL);
-  ::kill(::getpid(), signal_number);
 }
 
 // Signals that the parent process ignores, as nohup does, stay ignored.
@@ -68,13 +58,7 @@ bool InterruptGuard::interrupted() {
 }
 
 void leave_interrupts_to_parent() {
-  // The terminal sends Ctrl-C to the parent as well, which forwards it.
-  std::signal(SIGINT, SIG_IGN);
-  struct sigaction action {};
-  action.sa_sigaction = take_termination;
-  action.sa_flags = SA_SIGINFO;
-  sigemptyset(&action.sa_mask);
-  ::sigaction(SIGTERM, &action, nullptr);
+  os::leave_interrupts_to_parent(interrupt_seen);
 }
 
 void turn_write_signals_into_errors() {

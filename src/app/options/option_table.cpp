@@ -143,7 +143,8 @@ OptionTable without(OptionTable table, std::initializer_list<std::string_view> n
 std::vector<std::string> changed_options(const OptionTable& table, const OptionTable& other) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < table.size(); ++i) {
-    if (table[i].get() != other[i].get()) names.push_back(table[i].name);
+    // As texts, because the NaN that stands for "not given" differs from itself.
+    if (to_text(table[i].get()) != to_text(other[i].get())) names.push_back(table[i].name);
   }
   return names;
 }

@@ -14,16 +14,16 @@ namespace retarget {
 int interpolate_held_frames(Clip& clip, FrameRange part);
 
 /// Interpolates over frozen frames: at least three equal ones in a row within a movement, followed
-/// by a jump to where the body would have moved: its joints turn by more than twice their median step
-/// in the five frames to either side, and by more than 0.4 of it per equal frame. Longer freezes than
-/// a second stay, and clips with more than a third of such frames: they were upsampled from fewer
-/// frames.
+/// by a jump to where the body would have moved: its joints turn by more than twice their median
+/// step in the five frames to either side, and by more than 0.4 of it per equal frame. Freezes that
+/// last longer than a second stay, and so do clips with more than a third of such frames, because
+/// they were upsampled from fewer frames.
 /// @return number of interpolated frames.
 int bridge_frozen_frames(Clip& clip, FrameRange part);
 
-/// Frozen frames that bridge_frozen_frames keeps, although the body jumps afterwards: its joints turn
-/// by more than three times their median step around the freeze, or its root moves so, as after a
-/// dropout of a tracking system.
+/// Frozen frames that bridge_frozen_frames keeps although the body jumps afterwards, as after a
+/// dropout of a tracking system: its joints turn, or its root moves, by more than three times the
+/// median step around the freeze.
 [[nodiscard]] std::vector<FrameRange> kept_freezes(const Clip& clip, FrameRange part,
                                                    double metres_per_unit);
 

@@ -120,7 +120,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kNoHips = "\"Hips\" has no joint: without it there is no root";
+constexpr const char* kNoHips = "\"Hips\" has no joint, but the root requires one";
 
 Result<Json> parse_object(std::string_view text, const std::string& file) {
   TRY_ASSIGN(auto json, parse_json(text, file));

@@ -255,12 +255,14 @@ std::vector<Vector3d> centres_of_mass(const RobotClip& clip, const Inertias& ine
   return centres;
 }
 
-// Names the frames with accelerations that no motion of a person has.
+// Names the frames with accelerations that no motion of a person has; like the bound of the default
+// gate, they are in proportion to the legs.
 void name_jolts(const std::vector<double>& accelerations, const ReportBuilder& draft) {
-  constexpr double kLarge = 50.0;  // m/s^2
+  constexpr double kLarge = 40.0, kUsualLeg = 0.632;  // m/s^2, metres.
+  const double large = kLarge * draft.report.leg.value_or(kUsualLeg) / kUsualLeg;
   FaultList jolts("root_acc_max", "m/s^2");
   for (std::size_t frame = 0; frame < accelerations.size(); ++frame) {
-    if (accelerations[frame] > kLarge) {
+    if (accelerations[frame] > large) {
       jolts.add("root", static_cast<int>(frame), accelerations[frame]);
     }
   }

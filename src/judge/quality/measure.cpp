@@ -143,14 +143,13 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   if (profile.soles_estimated && !clip.robot().fixed_base()) {
     report.estimated_soles = profile.soles_source.empty() ? "estimated" : profile.soles_source;
   }
-  const ReportBuilder draft{clip, options, report};
-  measure_joints(draft, limits);
-  measure_body_accelerations(draft);
-
   const bool tracked = source != nullptr && source->config != nullptr;
   if (tracked) {
     if (const auto leg = robot_leg_length(clip.robot(), *source->config)) report.leg = *leg;
   }
+  const ReportBuilder draft{clip, options, report};
+  measure_joints(draft, limits);
+  measure_body_accelerations(draft);
   const BodyTracks tracks =
       track_bodies(clip, tracked ? tracked_bodies(*source->config) : std::vector<int>(),
                    options.self_collision_stride);

@@ -107,7 +107,8 @@ std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double 
     robot.push_back(turning(limb.robot, fps));
     human.push_back(turning(limb.human, fps));
   }
-  if (mean_rate(human) < kStill) return std::nullopt;
+  const double moving = mean_rate(human);
+  if (moving < kStill) return std::nullopt;
   const int reach = std::max(1, static_cast<int>(std::lround(kReach * fps)));
   std::vector<double> correlations;
   for (int lag = -reach; lag <= reach; ++lag) {
@@ -117,7 +118,7 @@ std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double 
   const auto at = static_cast<std::size_t>(lag + reach);
   // Limbs that clearly move but never like the human's are as wrong as limbs that are late.
   if (!(correlations[at] >= kAlike)) {
-    return mean_rate(human) >= kMoving ? std::optional(reach / fps) : std::nullopt;
+    return moving >= kMoving ? std::optional(reach / fps) : std::nullopt;
   }
   if (std::abs(lag) == reach) return lag / fps;
   // Vertex of the parabola through three values.

@@ -114,6 +114,17 @@ Result<RobotFiles> files_in(const fs::path& folder, const std::string& name) {
   return RobotFiles{folder / kModelFile, is_file(profile) ? profile : fs::path(), name};
 }
 
+// The folder of an installed robot. A path with a separator, such as ./unitree_g1, never names one.
+std::optional<fs::path> folder_of_installed(const fs::path& name, const RobotFolders& folders) {
+  if (name.empty() || name.has_parent_path()) return std::nullopt;
+  for (const fs::path& robots : folders) {
+    for (const fs::path& folder : {robots / name, robots / kUnverified / name}) {
+      if (is_file(folder / kModelFile)) return folder;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string install_hint(const std::string& robot) {
@@ -124,16 +135,11 @@ std::string install_hint(const std::string& robot) {
 
 Result<RobotFiles> find_robot(const std::string& name_or_folder, const RobotFolders& folders) {
   const fs::path given(name_or_folder);
-  if (!name_or_folder.empty()) {
-    // A path with a separator, such as ./unitree_g1, is never the name of an installed robot.
-    const bool is_name = !given.has_parent_path();
-    for (const fs::path& robots : is_name ? folders : RobotFolders()) {
-      for (const fs::path& folder : {robots / given, robots / kUnverified / given}) {
-        if (is_file(folder / kModelFile)) return files_in(folder, name_or_folder);
-      }
-    }
-    if (is_file(given / kModelFile)) return files_in(given, name_or_folder);
+  if (const auto folder = folder_of_installed(given, folders)) {
+    return files_in(*folder, name_or_folder);
   }
+  if (!name_or_folder.empty() && is_file(given / kModelFile))
+    return files_in(given, name_or_folder);
   TRY_ASSIGN(const Names names, names_in(folders));
   const std::vector<std::string> called = robots_called(name_or_folder, names.all);
   if (called.size() > 1) return ambiguous(name_or_folder, called, names);
