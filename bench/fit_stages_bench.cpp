@@ -160,7 +160,7 @@ BENCHMARK(fit_step_assembly)->Unit(benchmark::kMillisecond);
 void fit_step_smoothing(benchmark::State& state) {
   const StagesCase& work = stages();
   const FitWindow window = work.window();
-  JointSpeeds speeds(work.model, work.options, work.clip.frame_time);
+  JointSpeeds speeds(work.model, work.options, work.clip);
   for (auto _ : state) speeds.update(work.model, work.clip, window.begin, window.end);
   per_frame(state, window.end - window.begin);
 }

@@ -70,6 +70,18 @@ class SceneTest(ToolTest):
         self.assertIn("scene_pen_1cm_pct", self.missed_when_moved(0.0, -0.05, *source))
         self.assertIn("scene_contact_kept_pct", self.missed_when_moved(0.0, 0.05, *source))
 
+    def test_distant_bodies_change_nothing(self):
+        """The joints are smoother only near contacts. In a scene, the fit omits the dynamics."""
+        self.write("far.json", json.dumps({"bodies": [
+            {"name": "box", "position": [50.0, 50.0, 0.5], "shapes": [{"type": "box", "size": [0.5] * 3}]}]}))
+        self.report(sample("walk"), "--scene", "far.json")
+        in_scene = read_rows((self.folder / "out.csv").read_text())
+        self.report(sample("walk"), "--without", "dynamics")
+        alone = read_rows((self.folder / "out.csv").read_text())
+        self.assertEqual(len(in_scene), len(alone))
+        difference = max(abs(a - b) for one, other in zip(in_scene, alone) for a, b in zip(one, other))
+        self.assertLess(difference, 1e-5)
+
     def test_a_scene_moves_with_the_start(self):
         self.write("raised.bvh", raised_clip())
         self.write("room.json", json.dumps(SCENE))

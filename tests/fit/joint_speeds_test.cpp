@@ -1,4 +1,4 @@
-// The smoothness and speed terms of the steps between frames against dense solutions of the same
+// The smoothness and speed terms of the steps between frames, also in scenes, against dense solutions of the same
 // least-squares problems, on the G1 in random configurations.
 
 #include "solve/fit/joint_speeds.h"
@@ -7,13 +7,16 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <random>
 #include <string_view>
 #include <vector>
 
 #include "fit/fit_model_test_base.h"
+#include "solve/fit/fit_scene.h"
 #include "solve/fit/root_reference.h"
 
 namespace retarget {
@@ -58,9 +61,10 @@ MatrixXd limb_smoothing(Index count, double fps, const Contacts& contacts = {}) 
   return k;
 }
 
-// K (1 + K)^-1: the smoothness term's matrix, without its weight, after s follows v.
-MatrixXd remaining(const MatrixXd& k) {
-  return k * (MatrixXd::Identity(k.rows(), k.cols()) + k).inverse();
+// F - F (F + K)^-1 F: the smoothness term's matrix, without its weight, after s follows v.
+MatrixXd remaining(const MatrixXd& k, const VectorXd& factors) {
+  const MatrixXd f = factors.asDiagonal();
+  return f - f * (f + k).inverse() * f;
 }
 
 class JointSpeedsTest : public FitModelTest {
@@ -86,7 +90,7 @@ class JointSpeedsTest : public FitModelTest {
   }
 
   [[nodiscard]] JointSpeeds speeds() const {
-    JointSpeeds speeds(model_, options_, clip_.frame_time);
+    JointSpeeds speeds(model_, options_, clip_);
     speeds.update(model_, clip_, 0, clip_.frame_count);
     return speeds;
   }
@@ -118,10 +122,22 @@ class JointSpeedsTest : public FitModelTest {
     return v;
   }
 
+  // Factors of the scene by step.
+  [[nodiscard]] VectorXd factors(std::size_t dof) const {
+    VectorXd found = VectorXd::Ones(clip_.frame_count - 1);
+    if (dof < 6 || clip_.scene == nullptr) return found;
+    const std::vector<double>& frames = clip_.scene->joint_smoothness;
+    for (Index i = 0; i < found.size(); ++i) {
+      const auto frame = static_cast<std::size_t>(i);
+      found[i] = std::max(frames[frame], frames[frame + 1]);
+    }
+    return found;
+  }
+
   // Compares the forces on all steps of a joint with those of a dense solution.
   void expect_forces(std::size_t dof, const MatrixXd& k) const {
-    const VectorXd wanted =
-        std::pow(model_.smoothness[dof] / clip_.frame_time, 2) * remaining(k) * steps_of(dof);
+    const VectorXd wanted = std::pow(model_.smoothness[dof] / clip_.frame_time, 2) *
+                            remaining(k, factors(dof)) * steps_of(dof);
     const JointSpeeds found = speeds();
     std::vector<StepTerm> terms(dofs_);
     for (int t = 0; t + 1 < clip_.frame_count; ++t) {
@@ -133,7 +149,7 @@ class JointSpeedsTest : public FitModelTest {
   // Expects the diagonal matrix of all steps' weights to bound the term's matrix from above.
   void expect_bound(std::size_t dof, const MatrixXd& k) const {
     const MatrixXd curvature =
-        std::pow(model_.smoothness[dof] / clip_.frame_time, 2) * remaining(k);
+        std::pow(model_.smoothness[dof] / clip_.frame_time, 2) * remaining(k, factors(dof));
     const JointSpeeds found = speeds();
     std::vector<StepTerm> terms(dofs_);
     VectorXd weights(curvature.rows());
@@ -241,6 +257,55 @@ TEST_F(JointSpeedsTest, LimbsInContactAreSmoothedByFirstDifferences) {
   const MatrixXd k = limb_smoothing(count, 30.0, leg);
   expect_forces(dof_of("right_ankle_roll_joint"), k);
   expect_bound(dof_of("right_ankle_roll_joint"), k);
+}
+
+// Two contacts: the factor rises from 1 to 6, falls to 1, and rises again at the end.
+TEST_F(JointSpeedsTest, JointsAreSmootherNearContactsWithAScene) {
+  FitOptions options;
+  options.speed = false;
+  for (const double limb_time : {kLimbTime, 0.0}) {
+    SCOPED_TRACE(limb_time);
+    options.limb_smoothing_time = limb_time;
+    use(options);
+    make_clip(40, 30.0);
+    auto scene = std::make_shared<FitScene>();
+    scene->joint_smoothness.assign(40, 1.0);
+    const auto set = [&](std::size_t frame, double factor) {
+      scene->joint_smoothness[frame] = factor;
+    };
+    for (std::size_t frame = 10; frame < 16; ++frame) set(frame, 6.0);
+    for (const std::size_t frame : {9U, 16U, 38U}) set(frame, 2.5);
+    for (const std::size_t frame : {8U, 17U}) set(frame, 1.2);
+    set(39, 6.0);
+    clip_.scene = scene;
+    const Index count = clip_.frame_count - 1;
+    const VectorXd f = factors(dof_of("left_elbow_joint"));
+    MatrixXd limb = MatrixXd::Zero(count, count), others = limb;
+    for (Index i = 1; i < count; ++i) {
+      VectorXd row = VectorXd::Zero(count);
+      row.segment(i - 1, 2) << -1.0, 1.0;
+      const MatrixXd first =
+          std::min(f[i - 1], f[i]) * std::pow(kTime * 30.0, 2) * row * row.transpose();
+      others += first;
+      const bool near = f[i - 1] > 1.0 || f[i] > 1.0;
+      if (near || limb_time == 0.0) {
+        limb += first;
+      } else if (i > 1 && f[i - 2] == 1.0) {
+        row.setZero();
+        row.segment(i - 2, 3) << 1.0, -2.0, 1.0;
+        limb += std::pow(kLimbTime * 30.0, 4) * row * row.transpose();
+      }
+    }
+    for (const char* joint : {"left_elbow_joint", "right_wrist_yaw_joint", "right_knee_joint"}) {
+      SCOPED_TRACE(joint);
+      expect_forces(dof_of(joint), limb);
+      expect_bound(dof_of(joint), limb);
+    }
+    expect_forces(dof_of("waist_yaw_joint"), others);
+    expect_bound(dof_of("waist_yaw_joint"), others);
+    // The root has the usual smoothness.
+    expect_forces(2, first_differences(count, kTime, 30.0));
+  }
 }
 
 }  // namespace

@@ -71,6 +71,10 @@ TEST(FastLimbs, NeedASecondAndSpeed) {
     slow.human[i] = {std::cos(angle), std::sin(angle), 0.0};
   }
   EXPECT_FALSE(fast_speed_kept(std::array{slow}, false, 30.0));
+  // Two fast frames of one limb are fewer than 0.1 s; of two limbs, they are enough.
+  const LimbDirections brief = pendulum(1.0, 30.0, 3.3);
+  EXPECT_FALSE(fast_speed_kept(std::array{brief}, false, 30.0));
+  EXPECT_TRUE(fast_speed_kept(std::array{brief, brief}, false, 30.0));
 }
 
 }  // namespace

@@ -133,9 +133,11 @@ std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, boo
   // Longer than the snap of a marker or of a wrong pose, which a robot need not follow.
   constexpr double kStepSeconds = 0.1, kShortest = 1.0;
   constexpr double kFastShare = 0.02;
-  constexpr double kSlow = 2.0;  // rad/s
+  constexpr double kSlow = 2.0;          // rad/s
+  constexpr double kLeastSeconds = 0.1;  // Of all limbs together; less is chance.
   const auto step = static_cast<std::size_t>(std::max(1L, std::lround(kStepSeconds * fps)));
   double of_human = 0.0, of_robot = 0.0;
+  int fast = 0;
   std::vector<std::pair<double, double>> speeds;  // Human, robot.
   for (const LimbDirections& limb : limbs) {
     const bool counts = limb.rank > 0 && limb.of_legs == of_legs;
@@ -154,9 +156,10 @@ std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, boo
       if (human < kSlow) continue;
       of_human += human;
       of_robot += robot;
+      ++fast;
     }
   }
-  if (of_human == 0.0) return std::nullopt;
+  if (fast == 0 || fast < kLeastSeconds * fps) return std::nullopt;
   return of_robot / of_human;
 }
 

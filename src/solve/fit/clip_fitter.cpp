@@ -129,7 +129,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       after_(window.fixed_ends && window.end < clip.frame_count),
       terms_(model, options),
       pose_(model.tree),
-      speeds_(model, options, clip.frame_time),
+      speeds_(model, options, clip),
       chain_(dofs_),
       pairs_(at(window.end - window.begin)),
       pairs_stay_(

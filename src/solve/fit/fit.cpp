@@ -404,6 +404,8 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
   solved.clip = scene->world.clip;
   solved.scale = scale;
   set_contacts(world, feet_, result.contacts, phases, solved);
+  scene->joint_smoothness =
+      smoothness_near_contacts(solved, result.contacts, clip_.frame_count, clip_.frame_time);
   clip_.scene = std::move(scene);
 }
 
@@ -417,7 +419,6 @@ Result<FitResult> Fit::run() {
                           &limits_));
   const auto limbs = robot_limbs(*robot_, config_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
-  if (run_.scene != nullptr) options_ = smoother_in_scene(options_);
   BoneArray<int> target_of_bone;
   for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
   sides_ = sides_with_feet(info);

@@ -261,17 +261,6 @@ double keep_outside(const FitScene& scene, int frame, std::size_t scene_body,
 
 }  // namespace
 
-FitOptions smoother_in_scene(FitOptions options) {
-  // On two climbs and with a carried box, this divides the accelerations by three and keeps as many
-  // contacts (docs/world.md).
-  constexpr double kJoints = 2.5;
-  options.smoothness_leg *= kJoints;
-  options.smoothness_arm *= kJoints;
-  options.smoothness_wrist *= kJoints;
-  options.limb_smoothing_time = 0.0;
-  return options;
-}
-
 FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
                         const SurfaceParts& parts, std::span<const SurfacePhase> phases,
                         double scale, double frame_time, std::span<const TaskTarget> targets) {
@@ -308,7 +297,42 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
     }
   }
   planner.write(scene);
+  scene.joint_smoothness.assign(at(scene.world.clip.frame_count), 1.0);
   return scene;
+}
+
+std::vector<double> smoothness_near_contacts(const SolvedScene& solved, const ContactPlan& contacts,
+                                             int frame_count, double frame_time) {
+  // Near contacts, this divides the accelerations of two climbs by three and keeps as many contacts
+  // (docs/world.md).
+  constexpr double kWeight = 2.5;
+  // Seconds before and after a contact: with the highest weight, and until the usual one.
+  constexpr double kHold = 0.25, kFall = 0.25;
+  std::vector<double> away(at(frame_count), std::numeric_limits<double>::infinity());
+  const auto touch = [&](int begin, int end) {
+    for (int frame = std::max(0, begin); frame < std::min(end, frame_count); ++frame) {
+      away[at(frame)] = 0.0;
+    }
+  };
+  for (const SceneContact& each : solved.contacts) touch(each.begin, each.end);
+  const SourceContacts ends = contacts.of_ends();
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    for (std::size_t phase = 0; phase < ends[i].size(); ++phase) {
+      if (solved.under_feet[i][phase] >= 0) touch(ends[i][phase].begin, ends[i][phase].end);
+    }
+  }
+  // The time from the nearest frame with a contact.
+  for (std::size_t i = 1; i < away.size(); ++i) {
+    away[i] = std::min(away[i], away[i - 1] + frame_time);
+  }
+  for (std::size_t i = away.size() - 1; i-- > 0;) {
+    away[i] = std::min(away[i], away[i + 1] + frame_time);
+  }
+  for (double& each : away) {
+    const double share = std::clamp(1.0 - (each - kHold) / kFall, 0.0, 1.0);
+    each = square(1.0 + (kWeight - 1.0) * share * share * (3.0 - 2.0 * share));
+  }
+  return away;
 }
 
 bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene) {

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "human/gait/surface_contacts.h"
+#include "retarget/contact_plan.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
+#include "retarget/solved_scene.h"
 #include "robot/model/composite.h"
 #include "scene/scene_world.h"
 #include "solve/fit/fit_model.h"
@@ -40,16 +42,15 @@ struct FitScene {
   std::vector<SceneGoal> goals;                 ///< Goals of all frames in order.
   std::vector<std::uint32_t> first_goal;        ///< Index of each frame's first goal, then the
                                                 ///< number of goals.
+  /// Factor of the smoothness terms of joints, by frame: 1 away from contacts. A robot with other
+  /// proportions than its human reaches surfaces in other poses, and would touch them with jolts.
+  std::vector<double> joint_smoothness;
 
   [[nodiscard]] std::span<const SceneGoal> goals_of(int frame) const {
     const auto begin = first_goal[static_cast<std::size_t>(frame)];
     return std::span(goals).subspan(begin, first_goal[static_cast<std::size_t>(frame) + 1] - begin);
   }
 };
-
-/// Increases the smoothness weights of the joints. A robot with other proportions than its human
-/// reaches surfaces in other poses, and would touch them with jolts.
-[[nodiscard]] FitOptions smoother_in_scene(FitOptions options);
 
 /// Makes the scene around a robot from that around its human.
 /// @param phases   contacts of the human with the scene.
@@ -59,6 +60,14 @@ struct FitScene {
                                       const SurfaceParts& parts,
                                       std::span<const SurfacePhase> phases, double scale,
                                       double frame_time, std::span<const TaskTarget> targets);
+
+/// Makes FitScene::joint_smoothness: the factor is highest during contacts with the bodies of a scene
+/// and in the 0.25 s before and after.
+/// @param solved  with the contacts of set_contacts().
+/// @param contacts  of the feet, see find_contacts_on_ground().
+[[nodiscard]] std::vector<double> smoothness_near_contacts(const SolvedScene& solved,
+                                                           const ContactPlan& contacts,
+                                                           int frame_count, double frame_time);
 
 /// Moves the goal of each sticking contact to the robot's mean position in a solved clip, and marks
 /// it as held. The first solve follows the human's contact positions only loosely, because the

@@ -23,7 +23,7 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
   const int last = std::min(window.end + margin, clip.frame_count);
   FrameTerms terms(model, options);
   TreeState pose(model.tree);
-  JointSpeeds speeds(model, options, clip.frame_time);
+  JointSpeeds speeds(model, options, clip);
   speeds.update(model, clip, first, last);
   std::vector<std::uint32_t> pairs;
   for (int frame = window.begin; frame < window.end; ++frame) {

@@ -40,27 +40,44 @@ void configuration_step(const FitModel& model, std::span<const double> from,
 
 }  // namespace
 
-JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time)
-    : root_(model, frame_time),
+JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, const FitClip& clip)
+    : root_(model, clip.frame_time),
       root_share_(root_.exists() ? options.smoothness_root_reference : 0.0),
-      speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
-      smoothing_(square(options.smoothing_time / frame_time)),
+      speed_weight_(options.speed ? square(options.speed_weight / clip.frame_time) : 0.0),
+      smoothing_(square(options.smoothing_time / clip.frame_time)),
       stiffness_(majorant(4.0 * smoothing_)),
-      limb_smoothing_(square(square(options.limb_smoothing_time / frame_time))) {
+      limb_smoothing_(square(square(options.limb_smoothing_time / clip.frame_time))) {
   for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
     const double share = i < 3 && !root_.exists() ? kWithoutReference : 1.0;
-    const double weight = share * model.smoothness[i] / frame_time;
+    const double weight = share * model.smoothness[i] / clip.frame_time;
     smooth_weight_.push_back(options.smoothness ? square(weight) : 0.0);
     const bool hinge = i >= KinematicTree::kBaseDofs &&
                        !model.tree.links()[i - KinematicTree::kBaseDofs + 1].slides;
     const double own = kLimitShare * model.speed_limit[i];
     const double soft = hinge ? std::min(own, options.soft_joint_speed) : own;
-    soft_step_.push_back(soft * frame_time);
+    soft_step_.push_back(soft * clip.frame_time);
     if (hinge)
       soft_step_.back() = std::min(soft_step_.back(), kLimitShare * options.max_joint_step);
   }
-  if (limb_smoothing_ <= 0.0) return;
-  for (const FitLimb& limb : find_limbs(model)) limbs_.push_back(limb_of(model, limb, frame_time));
+  const bool second_order = limb_smoothing_ > 0.0;
+  if (!second_order && clip.scene == nullptr) return;
+  for (const FitLimb& limb : find_limbs(model)) {
+    limbs_.push_back(limb_of(model, limb, clip.frame_time));
+    limbs_.back().second_order = second_order;
+  }
+  if (clip.scene != nullptr) add_joints_of_no_limb(model);
+}
+
+void JointSpeeds::add_joints_of_no_limb(const FitModel& model) {
+  Limb others;
+  for (std::size_t link = 1; link < model.tree.links().size(); ++link) {
+    const int dof = KinematicTree::dof_of(static_cast<int>(link));
+    const bool in_limb = std::ranges::any_of(limbs_, [dof](const Limb& limb) {
+      return std::ranges::find(limb.dofs, dof) != limb.dofs.end();
+    });
+    if (!in_limb) others.dofs.push_back(dof);
+  }
+  limbs_.push_back(std::move(others));
 }
 
 JointSpeeds::Limb JointSpeeds::limb_of(const FitModel& model, const FitLimb& limb,
@@ -111,6 +128,7 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
     const double factor = factors_[static_cast<std::size_t>(i)];
     for (std::size_t j = 0; j < dofs; ++j) s[j] -= factor * s[j + dofs];
   }
+  if (clip.scene != nullptr) update_factors(*clip.scene, count);
   for (Limb& limb : limbs_) smooth(limb, clip, count);
 }
 
@@ -126,8 +144,18 @@ bool JointSpeeds::touches(const Limb& limb, const FitClip& clip, int frame) {
   });
 }
 
-void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
-  smoothness_.begin(at(count));
+void JointSpeeds::update_factors(const FitScene& scene, int count) {
+  const std::size_t dofs = smooth_weight_.size();
+  scene_factors_.resize(at(count));
+  factored_steps_ = steps_;
+  for (int i = 0; i < count; ++i) {
+    scene_factors_[at(i)] = std::max(scene.joint_smoothness[at(first_ + i)],
+                                     scene.joint_smoothness[at(first_ + i + 1)]);
+    for (std::size_t j = 0; j < dofs; ++j) factored_steps_[at(i) * dofs + j] *= factor(i);
+  }
+}
+
+void JointSpeeds::add_differences(const Limb& limb, const FitClip& clip, int count) {
   bool was_in_contact = false;
   // The next frame to look at, and the last one that touches.
   int next = std::max(0, first_ + 1 - limb.margin), last_touch = next - limb.margin - 1;
@@ -137,21 +165,28 @@ void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
     for (; next < clip.frame_count && next <= frame + limb.margin; ++next) {
       if (touches(limb, clip, next)) last_touch = next;
     }
-    const bool in_contact = last_touch >= frame - limb.margin;
+    const auto [least, most] = std::minmax({factor(i - 1), factor(i)});
+    const bool in_contact = !limb.second_order || last_touch >= frame - limb.margin || most > 1.0;
     if (in_contact) {
-      smoothness_.add_difference(at(i - 1), smoothing_);
+      smoothness_.add_difference(at(i - 1), least * smoothing_);
     } else if (i > 1 && !was_in_contact) {
       smoothness_.add_second_difference(at(i - 2), limb_smoothing_);
     }
     was_in_contact = in_contact;
   }
+}
+
+void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
+  smoothness_.begin(at(count));
+  add_differences(limb, clip, count);
   limb.stiffness.resize(at(count));
-  for (std::size_t i = 0; i < limb.stiffness.size(); ++i) {
-    limb.stiffness[i] = majorant(smoothness_.absolute_row_sum(i));
+  for (int i = 0; i < count; ++i) {
+    limb.stiffness[at(i)] = factor(i) * majorant(smoothness_.absolute_row_sum(at(i)) / factor(i));
   }
-  for (std::size_t i = 0; i < limb.stiffness.size(); ++i) smoothness_.add_value(i, 1.0);
+  for (int i = 0; i < count; ++i) smoothness_.add_value(at(i), factor(i));
   smoothness_.factorise();
-  smoothness_.solve(steps_.data(), smooth_.data(), smooth_weight_.size(), limb.dofs);
+  const std::vector<double>& right = scene_factors_.empty() ? steps_ : factored_steps_;
+  smoothness_.solve(right.data(), smooth_.data(), smooth_weight_.size(), limb.dofs);
 }
 
 void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
@@ -162,6 +197,11 @@ void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
   for (const Limb& limb : limbs_) {
     const double stiffness = limb.stiffness[at(frame - first_)];
     for (const int dof : limb.dofs) terms[at(dof)].weight = stiffness * smooth_weight_[at(dof)];
+  }
+  if (!scene_factors_.empty()) {
+    for (StepTerm& joint : terms.subspan(KinematicTree::kBaseDofs)) {
+      joint.force *= factor(frame - first_);
+    }
   }
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const double soft = soft_step_[i];
@@ -174,7 +214,9 @@ void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
 void JointSpeeds::add_costs(int frame, TermCosts& costs) const {
   const double *v = row(steps_, frame), *s = row(smooth_, frame);
   for (std::size_t i = 0; i < smooth_weight_.size(); ++i) {
-    costs[kTermSmoothness] += smooth_weight_[i] * square(v[i] - s[i]);
+    const double weight =
+        smooth_weight_[i] * (i < KinematicTree::kBaseDofs ? 1.0 : factor(frame - first_));
+    costs[kTermSmoothness] += weight * square(v[i] - s[i]);
     costs[kTermSpeed] += speed_weight_ * square(std::max(0.0, std::abs(v[i]) - soft_step_[i]));
   }
 }

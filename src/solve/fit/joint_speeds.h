@@ -41,9 +41,16 @@ struct StepTerm {
 /// The term then penalises changes of acceleration, and a limb may turn round as fast as the
 /// human's. Touchdown and lift-off of a limb are such changes, and a limb that carries the body must
 /// not tremble: while a part of a limb is in contact, its differences are of first order as above.
+///
+/// In a scene, the terms of all joints are larger near contacts with its bodies, by the factors
+/// F = diag(f) of FitScene::joint_smoothness: s minimises (v - s)' F (v - s) + s' K s, where K
+/// weights each difference with the smallest factor of its steps. Eliminating s leaves the matrix
+/// (F^-1 + K^-1)^-1. The diagonal matrix C of the absolute row sums of K bounds K, so
+/// (F^-1 + C^-1)^-1 bounds this matrix.
 class JointSpeeds {
  public:
-  JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time);
+  /// @param clip  for its frame time and scene.
+  JointSpeeds(const FitModel& model, const FitOptions& options, const FitClip& clip);
 
   /// Reads the steps of frames [first, last).
   void update(const FitModel& model, const FitClip& clip, int first, int last);
@@ -53,17 +60,26 @@ class JointSpeeds {
   void add_costs(int frame, TermCosts& costs) const;
 
  private:
-  // The smoothing of one limb.
+  // The smoothing of one limb, or of all joints that belong to none.
   struct Limb {
     std::vector<int> dofs;
     std::vector<std::size_t> feet, supports;  // Of the model, in this limb.
-    int margin;  // Frames before and after a contact in which the limb counts as in contact.
+    // Frames before and after a contact in which the limb counts as in contact.
+    int margin = 0;
+    bool second_order = false;      // Away from contacts.
     std::vector<double> stiffness;  // By step, like stiffness_.
   };
 
   [[nodiscard]] static Limb limb_of(const FitModel& model, const FitLimb& limb, double frame_time);
   [[nodiscard]] static bool touches(const Limb& limb, const FitClip& clip, int frame);
+  void add_joints_of_no_limb(const FitModel& model);
+  void update_factors(const FitScene& scene, int count);
   void smooth(Limb& limb, const FitClip& clip, int count);
+  void add_differences(const Limb& limb, const FitClip& clip, int count);
+  // Factor of the joints' terms for a step.
+  [[nodiscard]] double factor(int step) const {
+    return scene_factors_.empty() ? 1.0 : scene_factors_[static_cast<std::size_t>(step)];
+  }
 
   [[nodiscard]] const double* row(const std::vector<double>& values, int frame) const {
     return values.data() + static_cast<std::size_t>(frame - first_) * smooth_weight_.size();
@@ -81,6 +97,8 @@ class JointSpeeds {
   PentadiagonalMatrix smoothness_;
   int first_ = 0;
   std::vector<double> steps_, smooth_, factors_;
+  // Of the joints' terms by step, and steps_ times these factors; only in scenes.
+  std::vector<double> scene_factors_, factored_steps_;
 };
 
 }  // namespace retarget
