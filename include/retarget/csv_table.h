@@ -22,6 +22,9 @@ struct CsvTable {
   std::size_t columns = 0;
   std::vector<double> values;      ///< In row-major order.
   std::vector<std::size_t> lines;  ///< One-based line number of each row.
+  /// The last line has no line ending, and its last number has fewer decimals than in all lines
+  /// before it, as in a file that was not copied completely.
+  bool may_be_cut_off = false;
 
   [[nodiscard]] std::size_t rows() const { return lines.size(); }
   [[nodiscard]] std::span<const double> row(std::size_t index) const {
@@ -29,8 +32,8 @@ struct CsvTable {
   }
 };
 
-/// Reads lines of numbers, with cells as split_cells separates them. Skips empty lines and lines
-/// that begin with #.
+/// Reads lines of numbers, with cells as split_cells separates them. Lines end with LF, CR LF, or in
+/// files without any LF with CR. Skips empty lines and lines that begin with #.
 /// Errors (kInput) with line and column: no lines, lines of different length, cells that are not
 /// numbers, numbers beyond 1e6 (in the first column, which may be a time since 1970: beyond 1e20),
 /// UTF-16.

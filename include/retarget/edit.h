@@ -158,7 +158,19 @@ struct Transferred : Edited {
 /// or, if the T-pose is a guess, from the nearest reflection of axes.
 /// @return a kInput error that names a joint without a counterpart; errors of turn_clip.
 [[nodiscard]] Result<Clip> mirror(const Clip& clip, const Calibration& calibration);
-/// The plane of mirror(), for the scene of a clip.
+
+/// A mirrored clip, and the calibration with which its human is the mirror image of the original's.
+struct MirroredHuman {
+  Clip clip;
+  Calibration calibration;
+};
+
+/// mirror() for a clip whose calibration is kept. Rotations that a calibration learned, or took from
+/// a pose that is only nearly a T-pose, need not be symmetric: with the calibration of the original, such
+/// errors would have the same sign in both clips, instead of opposite signs.
+[[nodiscard]] Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration);
+
+/// The plane of mirror() and mirror_human(), for the scene of a clip.
 /// @param clip  at least one frame.
 [[nodiscard]] MirrorPlane mirror_plane(const Clip& clip, const Calibration& calibration);
 

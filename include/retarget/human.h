@@ -219,6 +219,9 @@ struct Calibration {
   /// Dimensions of a robot, whose joints are hinges and which is upright in its T-pose. Empty for a
   /// human, whose dimensions are estimated from the movement.
   std::optional<BodyLengths> built;
+  /// Forward bend of the upper end of the spine relative to the hips while the human stands,
+  /// radians, of the whole clip. Empty: unknown, such as for a single pose.
+  std::optional<double> standing_bend;
   std::string description;      ///< Human-readable: the assumptions.
   std::vector<Warning> doubts;  ///< Reasons why the result may be wrong.
 
@@ -240,6 +243,7 @@ struct HumanClipInfo {
   double size = 1.75;                            ///< As in Calibration.
   std::array<std::optional<FootSole>, 2> soles;  ///< As in Calibration.
   std::optional<BodyLengths> built;              ///< As in Calibration.
+  std::optional<double> standing_bend;           ///< As in Calibration.
   BoneArray<std::string> sources;                ///< Source joint of each bone; empty: missing.
   std::vector<std::string> source_joints;        ///< All joints of the source, for messages.
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -46,6 +47,15 @@ struct WrittenFile {
 /// format, several formats to standard output.
 [[nodiscard]] Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
                                                            const SaveOptions& options);
+
+/// Checks the name of an output of one fixed kind, such as `edit -o x.bvh`. A name without an
+/// extension, or with one of no known kind of file, is allowed.
+/// @param endings  extensions of this kind, in lower case.
+/// @param kind     for the message: `a BVH file`.
+/// Errors (kUsage): the extension of another kind of file; the hint names the first of `endings`.
+[[nodiscard]] Result<void> check_output_ending(const std::string& path,
+                                               std::initializer_list<std::string_view> endings,
+                                               const std::string& kind);
 
 /// Returns the frame rate of a format's file; tracking formats have their own rate.
 /// @param motion  rate of the other formats.

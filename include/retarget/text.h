@@ -42,6 +42,10 @@ template <typename Number>
 /// paragraph separators. Names from files may contain any of them.
 [[nodiscard]] std::string printable(std::string_view text);
 
+/// Replaces line feeds by `?`. Messages have one line, and the names of files in them may have
+/// several.
+[[nodiscard]] std::string without_line_feeds(std::string_view text);
+
 /// Escapes the same characters in JSON text as `\u....`; the JSON value is unchanged. @pre
 /// well-formed UTF-8
 [[nodiscard]] std::string printable_json(std::string_view json);

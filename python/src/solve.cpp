@@ -12,6 +12,7 @@
 #include "handles.h"
 #include "keywords.h"
 #include "raise.h"
+#include "retarget/check_options.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
@@ -41,6 +42,8 @@ Options options_of(const nb::dict& keywords, const nb::dict& fit) {
   for (const auto& [name, value] : fit) {
     if (!value.is_none()) options.solve.fit_given.push_back(nb::cast<std::string>(name));
   }
+  // As in the command, a rate without effect is an error.
+  if (const auto rate = check_rate(options); !rate) raise(rate.error());
   return options;
 }
 

@@ -40,6 +40,8 @@ SOURCE = Path(__file__).resolve().parents[2]
     ({"travel": "fast"}, "travel: expected a number from 0.5 to 1.2 or `auto`"),
     ({"travel": 3}, "travel: expected a number from 0.5 to 1.2 or `auto`"),
     ({"up": "w"}, "up: expected x, y, z"),
+    ({"format": "npz-mjlab", "fps": 60}, "fps has no effect on npz-mjlab"),
+    ({"format": ["npz-mjlab", "csv-sonic"], "fps": 60}, "npz_fps N sets the rate of this format"),
     ({"map": "a\0b"}, "a path with a null byte"),
     ({"fit": {"contact_wight": 3.0}}, 'did you mean "contact_weight"?'),
     ({"fit": {"contact_weight": "much"}}, "contact_weight: expected a number"),
@@ -48,6 +50,12 @@ def test_wrong_options(options: dict[str, Any], text: str, walk, g1) -> None:
     with pytest.raises(retarget.UsageError) as raised:
         retarget.to_robot(walk, g1, **options)
     assert text in str(raised.value)
+
+
+def test_a_rate_that_some_file_has(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    for options in ({"format": "npz-mjlab", "fps": 60, "npz_fps": 60},
+                    {"format": ["npz-mjlab", "csv"], "fps": 60}, {"fps": 60}):
+        assert retarget.make_plan(walk, g1, **options).options["fps"] == "60"
 
 
 def test_none_and_number_types(walk: retarget.Clip, g1: retarget.Robot) -> None:

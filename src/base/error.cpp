@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "retarget/text.h"
+
 namespace retarget {
 namespace {
 
@@ -10,7 +12,7 @@ Failure make_failure(ErrorKind kind, std::string file, std::string message, std:
 }
 
 std::string place(std::string_view file, std::size_t line, std::size_t column) {
-  std::string text(file);
+  std::string text = without_line_feeds(file);
   if (line > 0) {
     text.append(text.empty() ? "line " : ":").append(std::to_string(line));
     if (column > 0) text.append(":").append(std::to_string(column));

@@ -129,7 +129,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
   if (info->kind == os::EntryKind::kFolder) return read_failure(kind, path, EISDIR);
   // A device such as /dev/zero may never end.
   if (info->kind == os::EntryKind::kDevice && !standard_input) {
-    return read_failure(kind, path, ENODEV);
+    return failure({kind, {path, 0, 0}, "expected a regular file, found a device", {}, {}});
   }
 
   const bool regular = info->kind == os::EntryKind::kRegular;

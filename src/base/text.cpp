@@ -111,6 +111,12 @@ std::string printable(std::string_view text) {
   return replaced(text, [](std::uint32_t) { return std::string("?"); });
 }
 
+std::string without_line_feeds(std::string_view text) {
+  std::string line(text);
+  std::ranges::replace(line, '\n', '?');
+  return line;
+}
+
 std::string printable_json(std::string_view json) {
   return replaced(json, [](std::uint32_t code) {
     std::array<char, 8> escape{};

@@ -355,6 +355,39 @@ class Mirroring {
   std::vector<Eigen::Quaterniond> after_;  // World rotations, file axes.
 };
 
+// The canonical axes of a bone of the mirrored body result from those of its counterpart: with a
+// world rotation W of its joint and the joint's reflection S, M W J N = (M W S^-1) S J N. N reflects
+// the canonical axes.
+Calibration mirrored_calibration(const Calibration& calibration, const BodyMirror& body) {
+  constexpr double kSame = 1e-9;
+  const Eigen::DiagonalMatrix<double, 3> across(1.0, -1.0, 1.0);
+  Calibration result = calibration;
+  for (const Bone bone : kAllBones) {
+    const BoneSource& from = calibration.bones[bone];
+    BoneSource& to = result.bones[mirrored(bone)];
+    if (from.rotation_joint < 0 || to.rotation_joint != body.mates[from.rotation_joint]) continue;
+    const auto axes = [](const BoneSource& of) -> Eigen::Matrix3d {
+      return of.joint_from_bone.value_or(Eigen::Quaterniond::Identity()).toRotationMatrix();
+    };
+    const Eigen::Matrix3d image = body.mate_axes[from.rotation_joint] * axes(from) *
+                                  canonical_t_pose(bone).transpose() * across *
+                                  canonical_t_pose(mirrored(bone));
+    if ((image - axes(to)).norm() > kSame) to.joint_from_bone = Eigen::Quaterniond(image);
+  }
+  return result;
+}
+
+// Moves a mirrored clip back to the start position and heading of the original.
+Result<void> move_to_start(const Clip& clip, const Calibration& calibration, Clip& image,
+                           const Calibration& of_image) {
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  if (clip.frame_count() == 0) return {};
+  const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), calibration)).front();
+  const GroundPose is = hips_over_ground(to_human(cut(image, 0, 1), of_image)).front();
+  mover.move_all(image, (was * is.inverse()).in_space());
+  return {};
+}
+
 }  // namespace
 
 Result<BodyMirror> body_mirror(const Skeleton& skeleton, const Calibration& calibration) {
@@ -363,13 +396,16 @@ Result<BodyMirror> body_mirror(const Skeleton& skeleton, const Calibration& cali
 
 Result<Clip> mirror(const Clip& clip, const Calibration& calibration) {
   RETARGET_TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
-  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   Clip result = Mirroring(clip, calibration, body).run();
-  if (clip.frame_count() == 0) return result;
-  // Move the clip back to its original start position and heading.
-  const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), calibration)).front();
-  const GroundPose is = hips_over_ground(to_human(cut(result, 0, 1), calibration)).front();
-  mover.move_all(result, (was * is.inverse()).in_space());
+  RETARGET_TRY(move_to_start(clip, calibration, result, calibration));
+  return result;
+}
+
+Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration) {
+  RETARGET_TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
+  MirroredHuman result{Mirroring(clip, calibration, body).run(),
+                       mirrored_calibration(calibration, body)};
+  RETARGET_TRY(move_to_start(clip, calibration, result.clip, result.calibration));
   return result;
 }
 

@@ -148,11 +148,40 @@ constexpr double kShortHold = 0.25;  // Seconds.
 constexpr double kSamePose = 0.1;    // Spreads, after aligning position and rotation of the root.
 constexpr int kMinAfter = 5;         // Frames of motion after the jump.
 
-// World positions of all joints by frame, computed on demand.
+// The joints of the body, its root first: without helper joints above the hips and what else hangs
+// from them. A helper that stays at the origin would count as part of a body that walks away.
+std::vector<int> joints_of_body(const Skeleton& skeleton) {
+  constexpr double kNearlyAll = 0.8;  // Of the joints; a spine with arms and head has fewer.
+  const auto count = static_cast<std::size_t>(skeleton.joint_count());
+  std::vector<int> sizes(count, 1);
+  for (std::size_t joint = count; joint-- > 1;) {
+    const int parent = skeleton.joint(static_cast<int>(joint)).parent;
+    if (parent >= 0) sizes[static_cast<std::size_t>(parent)] += sizes[joint];
+  }
+  int root = 0;
+  for (std::size_t joint = 1; joint < count; ++joint) {
+    const bool below = skeleton.joint(static_cast<int>(joint)).parent == root;
+    if (below && sizes[joint] > kNearlyAll * static_cast<double>(count)) {
+      root = static_cast<int>(joint);
+    }
+  }
+  std::vector<int> joints;
+  std::vector<char> inside(count);
+  for (int joint = root; joint < skeleton.joint_count(); ++joint) {
+    const int parent = skeleton.joint(joint).parent;
+    if (joint != root && (parent < 0 || inside[static_cast<std::size_t>(parent)] == 0)) continue;
+    inside[static_cast<std::size_t>(joint)] = 1;
+    joints.push_back(joint);
+  }
+  return joints;
+}
+
+// World positions of the body's joints by frame, computed on demand.
 class Positions {
  public:
   explicit Positions(const Clip& clip)
       : clip_(clip),
+        joints_(joints_of_body(clip.skeleton())),
         frames_(static_cast<std::size_t>(clip.frame_count())),
         root_turns_(frames_.size()),
         poses_(static_cast<std::size_t>(clip.skeleton().joint_count())) {}
@@ -161,10 +190,13 @@ class Positions {
     Eigen::Matrix3Xd& positions = frames_[static_cast<std::size_t>(frame)];
     if (positions.size() > 0) return positions;
     forward_kinematics(clip_, frame, poses_);
-    root_turns_[static_cast<std::size_t>(frame)] = poses_.front().rotation;
-    positions.resize(3, static_cast<Eigen::Index>(poses_.size()));
-    for (Eigen::Index joint = 0; joint < positions.cols(); ++joint) {
-      positions.col(joint) = poses_[static_cast<std::size_t>(joint)].translation;
+    const auto pose_of = [&](std::size_t i) -> const Pose& {
+      return poses_[static_cast<std::size_t>(joints_[i])];
+    };
+    root_turns_[static_cast<std::size_t>(frame)] = pose_of(0).rotation;
+    positions.resize(3, static_cast<Eigen::Index>(joints_.size()));
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      positions.col(static_cast<Eigen::Index>(i)) = pose_of(i).translation;
     }
     return positions;
   }
@@ -195,6 +227,7 @@ class Positions {
   }
 
   const Clip& clip_;
+  const std::vector<int> joints_;
   std::vector<Eigen::Matrix3Xd> frames_;
   std::vector<Eigen::Quaterniond> root_turns_;
   std::vector<Pose> poses_;

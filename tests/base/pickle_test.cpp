@@ -158,7 +158,27 @@ TEST(PickleTest, DepthAndCyclesDoNotOverflowTheStack) {
   std::string marks = "\x80\x02" + std::string(3'000'000, '(');
   EXPECT_FALSE(read_pickle(marks + ".", "x.pkl").has_value());
   std::string nones = "\x80\x02" + std::string(3'000'000, 'N');
-  EXPECT_THAT(pickle_error(nones + "."), HasSubstr("two million values"));
+  EXPECT_THAT(pickle_error(nones + "."), HasSubstr("more than 2000000 values"));
+}
+
+// A long motion as lists of numbers, as MimicKit's files have it.
+TEST(PickleTest, ReadsAsManyValuesAsTheFileHasBytesFor) {
+  constexpr int kRows = 60'000, kNumbers = 35;
+  PickleWriter pickle;
+  pickle.begin_list();
+  for (int row = 0; row < kRows; ++row) {
+    pickle.begin_list();
+    for (int i = 0; i < kNumbers; ++i) pickle.number(0.5 * i);
+    pickle.end_list();
+  }
+  pickle.end_list();
+  const std::string bytes = pickle.finish();
+  const auto document = read_pickle(bytes, "x.pkl");
+  ASSERT_TRUE(document) << describe(document.error());
+  EXPECT_EQ(document->root().items.size(), std::size_t{kRows});
+  // Values that need a single byte are too many for the size of their file.
+  const std::string nones = "\x80\x02" + std::string(9'000'000, 'N');
+  EXPECT_THAT(pickle_error(nones + "."), HasSubstr("more than 2250000 values"));
 }
 
 TEST(PickleTest, RejectsManyArraysOfOneBuffer) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "retarget/error.h"
+
 namespace retarget {
 namespace {
 
@@ -26,6 +28,13 @@ TEST(Printable, ReplacesTerminalControlSequences) {
                       "gpj.exe"),
             "?gpj.exe");
   EXPECT_EQ(printable("\xE2\x81\xA6\xE2\x80\xA8\xD8\x9C\xE2\x80\x8F"), "????");
+}
+
+TEST(Printable, NamesInMessagesHaveOneLine) {
+  EXPECT_EQ(without_line_feeds("a\nb\tc.csv"), "a?b\tc.csv");
+  const Error error{ErrorKind::kInput, {"a\nerror: b.csv", 1, 0}, "fault", {}, "do this"};
+  EXPECT_EQ(describe(error), "a?error: b.csv:1: error: fault\n  hint: do this");
+  EXPECT_EQ(describe(Warning{0, 0, "odd"}, "a\nb"), "a?b: warning: odd");
 }
 
 TEST(Printable, KeepsJsonContent) {

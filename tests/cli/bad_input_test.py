@@ -142,7 +142,7 @@ class BadInput(ToolTest):
 
 class Devices(ToolTest):
     def test_a_device_that_never_ends(self):
-        self.assert_fails(self.retarget(bvh="/dev/zero"), 3, "/dev/zero")
+        self.assert_fails(self.retarget(bvh="/dev/zero"), 3, "/dev/zero", "expected a regular file, found a device")
         self.assert_fails(self.retarget("--ik-config", "/dev/zero"), 4, "/dev/zero")
 
 

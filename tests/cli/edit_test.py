@@ -234,6 +234,22 @@ class Edit(ToolTest):
             with self.subTest(height=height):
                 self.assertIn(said, self.said("concat", "a.bvh", b, "-o", "ab.bvh"))
 
+    def test_names_of_other_kinds_of_files_are_rejected(self):
+        walk = sample("walk")
+        for name in ("q.npz", "q.csv", "q.json", "q.HTML", "q.fbx", "q.gltf", "q.png"):
+            with self.subTest(name=name):
+                self.assert_fails(self.run_tool("edit", "mirror", walk, "-o", name), 2,
+                                  "it is a BVH file or a GLB", "ends in .bvh")
+        for options, kind in ((("--fit", "p.csv"), "a path in JSON"),
+                              (("--svg", "p.pdf"), "in the format SVG")):
+            self.assert_fails(self.run_tool("edit", "path", walk, *options), 2, kind)
+        self.assert_fails(self.run_tool("edit", "concat", walk, walk, "-o", "x.bvh", "--matrix",
+                                        "d.png"), 2, "in the format PGM")
+        self.assertEqual(self.files(), [])
+        # Extensions of no known kind, and none at all, remain allowed.
+        for name in ("mirrored", "mirrored.backup"):
+            self.assert_done(self.run_tool("edit", "mirror", walk, "-o", name))
+
     def test_rejected_seam_writes_its_image(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
                               "--matrix", "d.pgm", "-o", "x.bvh")

@@ -121,6 +121,17 @@ class GlbFiles(ToolTest):
         self.assertEqual([s["name"] for s in human["skins"]], ["human"])
         self.assertEqual(human["animations"][0]["name"], "human")
 
+    def test_robots_are_not_taken_for_humans(self):
+        self.make()
+        for command in (("out.glb", "g1", "-o", "again.csv"), ("inspect", "out.glb"),
+                        ("edit", "mirror", "out.glb", "-o", "mirrored.bvh")):
+            with self.subTest(command=command):
+                self.assert_fails(self.run_tool(*command), 3, "shows the robot unitree_g1",
+                                  "such as walk.csv")
+        # The human alone has no such mark.
+        self.assert_done(self.run_tool("convert", "walk.bvh", "human.glb"))
+        self.assert_done(self.run_tool("inspect", "human.glb"))
+
     def test_meshes_are_closed_and_look_outwards(self):
         glb, _ = self.make()
         for mesh in glb.json["meshes"]:

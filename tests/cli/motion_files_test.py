@@ -154,6 +154,9 @@ class Rates(ToolTest):
             result = self.run_tool(*command, *G1)
             self.assert_done(result)
             self.assertIn("at 120 fps; the file states no rate", result.stderr)
+            said = " ".join(result.stderr.split())
+            self.assertIn("SOMA's 120 fps are assumed, --", said)
+            self.assertIn("fps states another rate", said)
             result = self.run_tool(*command, *G1, "--source-fps", "50")
             self.assert_done(result)
             self.assertIn("at 50 fps\n", result.stderr)
@@ -198,7 +201,7 @@ class Reading(MotionFilesTest):
         self.assertNotIn("equally plausible", result.stderr)
 
     def test_a_motion_that_fits_both_orders_is_read_as_written(self):
-        part = ("--start", "2.02", "--end", "5.01")
+        part = ("--start", "2.3", "--end", "5.01")
         clip = sample("get_up")
         self.assert_done(self.retarget(*part, "--sidecar", bvh=clip, output="own.csv"))
         recorded = self.run_tool("convert", "own.csv", "recorded.csv", *G1)

@@ -100,6 +100,17 @@ class PositionsFiles(PositionsTest):
                 rows = numpy.loadtxt(io.BytesIO(rows), delimiter=",")
                 self.assertLess(abs(rows[:, 7:] - first[:, 7:]).max(), 0.02)
 
+    def test_rates_of_other_orders_are_not_assumed(self):
+        _, places = self.places_of(sample("walk"))
+        numpy.save(self.folder / "lafan.npy", places)
+        self.assert_fails(self.run_tool("lafan.npy", "g1", "-o", "x.csv"), 3, "no frame rate",
+                          "LAFAN1", "--source-fps")
+        _, said = self.rows_of("lafan.npy", "--source-fps", 30)
+        self.assertIn("the joint order of LAFAN1", said)
+        numpy.savez(self.folder / "timed.npz", joints=self.smpl_places(), joint_names=SMPL, dt=1 / 30)
+        _, said = self.rows_of("timed.npz")
+        self.assertNotIn("20 fps", said)
+
     def test_every_command_takes_them(self):
         numpy.savez(self.folder / "clip.npz", joints=self.smpl_places()[:40], fps=20)
         shown = self.run_tool("inspect", "clip.npz")

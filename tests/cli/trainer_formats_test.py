@@ -162,6 +162,11 @@ class Written(FormatsTest):
         steps = np.gradient(tables["body_pos"], 0.02, axis=0)
         self.assertLess(np.abs(steps - tables["body_lin_vel"])[1:-1].max(), 0.15)
         self.assertIn("csv-sonic", self.converted("walk", "a.csv"))
+        # Files without the line of names have as many frames.
+        for path in folder.glob("*.csv"):
+            path.write_text("".join(path.read_text().splitlines(keepends=True)[1:]))
+        self.converted("walk", "plain.csv")
+        self.assertEqual(self.rows("plain.csv"), self.rows("a.csv"))
         self.converted("isaac.npz", "b.csv")
         a, b = np.array(self.rows("a.csv")), np.array(self.rows("b.csv"))
         self.assertLess(np.abs(a[:500] - b).max(), 2e-6)
@@ -433,10 +438,18 @@ class BadFiles(FormatsTest):
         text = (self.folder / "walk/joint_pos.csv").read_text()
         for changed, words in ((text.replace(",", ";", 40), "not a number"),
                                (text.rsplit(",", 1)[0] + "\n", "expected 29 numbers"),
-                               ("joint_0\n", "no frames"), ("a\n0\n", "different numbers of frames or bodies")):
+                               ("joint_0\n", "no frames"), ("a\n0\n", "different numbers of frames or bodies"),
+                               (text.replace("0.", "9."), "are these degrees?")):
             with self.subTest(words=words):
                 self.write("walk/joint_pos.csv", changed)
                 self.assert_fails(self.convert("walk", "x.csv"), 3, words)
+        self.write("walk/joint_pos.csv", text)
+        quaternions = self.folder / "walk/body_quat.csv"
+        rows = np.loadtxt(quaternions, delimiter=",", skiprows=1)
+        moved = rows.reshape(len(rows), -1, 4)[..., [1, 2, 3, 0]].reshape(rows.shape)
+        np.savetxt(quaternions, moved, delimiter=",", header="x", comments="")
+        self.assert_fails(self.convert("walk", "x.csv"), 3, "forward kinematics",
+                          "they fit if the root quaternion is x y z w")
         self.assertFalse((self.folder / "x.csv").exists())
 
 

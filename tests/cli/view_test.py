@@ -124,6 +124,15 @@ class View(ToolTest):
         self.assert_fails(self.run_tool(*view, "no/x.png"), 2, "no")
         self.assert_fails(self.run_tool(*view, "s.svg"), 2, "s.svg")
 
+    def test_other_extensions_are_rejected(self):
+        motion = self.motion()
+        for name in ("v.pdf", "v.csv", "v.jpg", "v.bvh"):
+            self.assert_fails(self.run_tool("view", motion, "--robot", "g1", "-o", name), 2,
+                              "a page (.html) or a picture (.png, .svg)")
+        view = ("view", motion, "--robot", "g1", "-o", "s.svg", "--png", "s.jpg")
+        self.assert_fails(self.run_tool(*view), 2, "in the format PNG")
+        self.assertTrue(self.strip(motion, output="strip").startswith(b"<svg"))
+
     def test_a_run_renders_its_motion(self):
         shutil.copy(sample("walk"), self.folder / "walk.bvh")
         run = ("walk.bvh", "unitree_g1", "-o", "walk.csv", "--method", "gmr", "--png", "run.png")

@@ -1,12 +1,15 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "edit/body_mirror.h"
 #include "edit/ground_pose.h"
 #include "edit_sample.h"
 #include "retarget/edit.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -54,6 +57,45 @@ TEST(Mirror, BonesAreMirrorImages) {
       Eigen::Vector3d wanted = seen(before, mate_of_bone(bone));
       wanted.y() = -wanted.y();
       ASSERT_LT((seen(after, bone) - wanted).norm(), 1e-9) << bone_name(bone);
+    }
+  }
+}
+
+// A calibration with random errors of its axes, as after learning them from the movement.
+TEST(Mirror, MirrorsErrorsOfTheCalibration) {
+  for (const char* name : {"walk", "get_up"}) {
+    const EditSample& sample = data_sample(name);
+    Calibration calibration = sample.calibration;
+    for (const Bone bone : kMappedBones) {
+      const auto i = static_cast<double>(bone);
+      const Eigen::Vector3d error(std::sin(3.0 * i), std::sin(5.0 * i), std::sin(7.0 * i));
+      BoneSource& source = calibration.bones[bone];
+      source.joint_from_bone =
+          source.joint_from_bone.value_or(Eigen::Quaterniond::Identity()) * exp_so3(0.2 * error);
+    }
+    const MirroredHuman image = mirror_human(sample.clip, calibration).value();
+    const HumanClip before = to_human(sample.clip, calibration);
+    const HumanClip after = to_human(image.clip, image.calibration);
+    const Pose start = hips_over_ground(before).front().in_space();
+    const Eigen::DiagonalMatrix<double, 3> across(1.0, -1.0, 1.0);
+    for (int frame = 0; frame < before.frame_count; frame += 7) {
+      for (const Bone bone : kMappedBones) {
+        if (!before.has(bone)) continue;
+        const Bone mate = mate_of_bone(bone);
+        const auto turn = [&](const HumanClip& human, Bone which) -> Eigen::Matrix3d {
+          return (start.rotation.conjugate() * human.frame(frame)[which].rotation)
+                     .toRotationMatrix() *
+                 canonical_t_pose(which).transpose();
+        };
+        const Eigen::Matrix3d wanted = across * turn(before, bone) * across;
+        ASSERT_LT((turn(after, mate) - wanted).norm(), 1e-9) << bone_name(bone);
+      }
+    }
+    // The calibration of a symmetric body is unchanged, to the bit.
+    const MirroredHuman exact = mirror_human(sample.clip, sample.calibration).value();
+    for (const Bone bone : kMappedBones) {
+      EXPECT_EQ(exact.calibration.bones[bone].joint_from_bone.has_value(),
+                sample.calibration.bones[bone].joint_from_bone.has_value());
     }
   }
 }

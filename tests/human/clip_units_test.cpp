@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
+#include "retarget/so3.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -149,6 +151,22 @@ TEST(ClipUnits, WarnsAboutMovingFeetUnderAStaticRoot) {
   const Clip wave = sample_of("wave", true);
   Clip still = with_root(wave, changes[1]);
   EXPECT_THAT(repair(still), IsEmpty());
+}
+
+// A degree of noise in all joints, and a frame in which the tracking was lost.
+TEST(ClipUnits, IgnoresNoiseOfStandingFeet) {
+  Clip noisy = sample_of("wave", true);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, M_PI / 180.0);
+  for (int frame = 0; frame < noisy.frame_count(); ++frame) {
+    for (Eigen::Quaterniond& rotation : noisy.rotations(frame)) {
+      rotation = rotation * exp_so3({noise(random), noise(random), noise(random)});
+    }
+  }
+  for (Eigen::Quaterniond& rotation : noisy.rotations(noisy.frame_count() / 2)) {
+    rotation = Eigen::Quaterniond::Identity();
+  }
+  EXPECT_THAT(repair(noisy), IsEmpty());
 }
 
 // A body that is carried, skates or sits in a vehicle moves without planted feet.

@@ -88,6 +88,28 @@ TEST(RestEvidence, UsesASeatedZeroPoseThatFitsTheMovement) {
                                      "from the movement, [0-9.]+ degrees\\)"));
 }
 
+// The movement decides whether the feet of a zero pose are level or square to the shins, and
+// replaces feet that do not stand.
+TEST(RestEvidence, FeetStandOnTheFloor) {
+  std::vector<ZeroShape> shapes(4);
+  shapes[0].astride = shapes[1].astride = 15.0;
+  shapes[1].square_soles = true;
+  shapes[2].thigh = 15.0;
+  shapes[2].knee = 30.0;
+  shapes[3].toes_down = 50.0;
+  for (const char* name : {"walk", "wave", "turn_in_place"}) {
+    const Clip clip = window_of(name, 0, 120);
+    const HumanClip expected = true_human(clip);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(i));
+      const Clip twin = with_zero_shape(clip, shapes[i]);
+      const Calibration found = rest_found(twin);
+      EXPECT_EQ(found.rest_pose, "zero pose");
+      EXPECT_LT(mean_turn(to_human(twin, found), expected, kFootBones), 8.0);
+    }
+  }
+}
+
 TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
   ZeroShape crouch;
   crouch.lean = 30.0;

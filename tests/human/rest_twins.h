@@ -18,6 +18,9 @@ struct ZeroShape {
   double lean = 0.0;                                      ///< Of the trunk, forward.
   double thigh = 0.0, knee = 0.0;                         ///< Thighs raised, knees bent.
   double arms_down = 0.0, arms_ahead = 0.0, elbow = 0.0;  ///< Of both arms.
+  double astride = 0.0;                                   ///< Of both legs, outwards.
+  double toes_down = 0.0;
+  bool square_soles = false;  ///< Whether feet turn with the legs astride; else they are level.
 };
 
 inline Eigen::Quaterniond turned_by(double degrees, const Eigen::Vector3d& axis) {
@@ -34,15 +37,17 @@ inline Eigen::Quaterniond turn_of(const ZeroShape& shape, Bone bone) {
   const double side = side_of(bone) == Side::kLeft ? 1.0 : -1.0;
   const Eigen::Quaterniond arm =
       trunk * turned_by(-shape.arms_ahead, y) * turned_by(-side * shape.arms_down, x);
+  const Eigen::Quaterniond leg = turned_by(side * shape.astride, x);
   switch (*part) {
     case LimbBone::kUpLeg:
-      return turned_by(-shape.thigh, y);
+      return leg * turned_by(-shape.thigh, y);
     case LimbBone::kLeg:
-      return turned_by(shape.knee - shape.thigh, y);
+      return leg * turned_by(shape.knee - shape.thigh, y);
     case LimbBone::kFoot:
     case LimbBone::kToe:
     case LimbBone::kFootMod:
-      return Eigen::Quaterniond::Identity();
+      return (shape.square_soles ? leg : Eigen::Quaterniond::Identity()) *
+             turned_by(shape.toes_down, y);
     case LimbBone::kShoulder:
       return trunk;
     case LimbBone::kArm:

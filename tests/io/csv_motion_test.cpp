@@ -325,5 +325,24 @@ TEST_F(CsvMotion, RejectsHostileBytes) {
   }
 }
 
+TEST_F(CsvMotion, LinesMayEndWithCarriageReturns) {
+  std::string text = std::string(kRoot) + kJoints + "\n" + kRow + kRow;
+  std::ranges::replace(text, '\n', '\r');
+  expect_pose(text);
+  EXPECT_EQ(read(text)->clip.frame_count(), 2);
+}
+
+TEST_F(CsvMotion, ANumberThatIsCutOffIsAWarning) {
+  const std::string row = "1,2,3,0,0,0,1,.1,.2,.3,.04,.5000\n";
+  const std::string rows = row + row + row + row;
+  EXPECT_THAT(read(rows)->warnings, IsEmpty());
+  EXPECT_THAT(read(rows.substr(0, rows.size() - 1))->warnings, IsEmpty());
+  EXPECT_THAT(read(rows.substr(0, rows.size() - 3))->warnings,
+              Contains(AllOf(HasSubstr("line 4"), HasSubstr("not have been copied completely"))));
+  // Lines whose numbers differ in length prove nothing.
+  const std::string uneven = row + "1,2,3,0,0,0,1,.1,.2,.3,.04,.51\n" + row + row;
+  EXPECT_THAT(read(uneven.substr(0, uneven.size() - 3))->warnings, IsEmpty());
+}
+
 }  // namespace
 }  // namespace retarget

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "motion/test_clips.h"
 #include "retarget/clip.h"
@@ -52,6 +55,23 @@ TEST(LeadIn, FindsALeadingZeroFrame) {
 
 TEST(LeadIn, FindsAHeldPose) {
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(30, 90), 12, 2.0)), 12);
+}
+
+// A helper at the origin, above a body that stands 30 m away.
+TEST(LeadIn, IgnoresAHelperAboveTheBody) {
+  const Clip clip = with_frames_in_front(swinging(30, 90), 12, 2.0);
+  std::vector<Joint> joints = {make_joint("Reference", -1, Eigen::Vector3d::Zero())};
+  for (Joint joint : clip.skeleton().joints()) {
+    ++joint.parent;
+    joints.push_back(std::move(joint));
+  }
+  Clip below(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), below.rotations(frame).begin() + 1);
+    std::ranges::copy(clip.translations(frame), below.translations(frame).begin());
+    below.translations(frame)[0].x() += 30.0;
+  }
+  EXPECT_EQ(count_lead_in_frames(below), 12);
 }
 
 TEST(LeadIn, ToleratesNoiseInAHeldPose) {

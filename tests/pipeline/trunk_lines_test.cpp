@@ -108,6 +108,30 @@ TEST(TrunkLines, AreLearnedFromStandingFrames) {
   EXPECT_LT((lines.chord - trunk_lines(upright).chord).norm(), 1e-12);
 }
 
+// The body is upright in three frames, or for a second. One more frame must not change the lines.
+TEST(TrunkLines, DoNotJumpWithTheLengthOfTheClip) {
+  const Quaterniond part = exp_so3({0.0, 20 * kDegree, 0.0});
+  const auto bent = trunk({exp_so3({0.0, 1.0, 0.0}), part, part, part}, Quaterniond::Identity());
+  const auto upright = trunk(kStraight, Quaterniond::Identity());
+  const auto lean = [&](int frames, int begin, int end) {
+    const Vector3d chord =
+        standing_trunk_lines(whole_body(frames), [&](int frame, HumanPose& world_from_bone) {
+          world_from_bone = frame >= begin && frame < end ? upright : bent;
+        }).chord;
+    return std::atan2(chord.x(), chord.z());
+  };
+  for (int begin = 240; begin < 250; ++begin) {
+    EXPECT_NEAR(lean(400, begin, begin + 3), lean(401, begin, begin + 3), 0.1 * kDegree) << begin;
+  }
+  EXPECT_NEAR(lean(401, 240, 270), -std::atan2(0.06, 0.51), 1e-9);
+}
+
+TEST(TrunkLines, UseTheBendOfTheWholeClip) {
+  HumanClipInfo part = whole_body(5);
+  part.standing_bend = 20.0 * kDegree;
+  EXPECT_NEAR(standing(part, trunk(kStraight, Quaterniond::Identity())).chord.x(), 0.0, 1e-9);
+}
+
 TEST(TrunkLines, DoNotNeedClaviclesAndSpine) {
   HumanClipInfo info = whole_body(2);
   for (const char* bone : {"LeftShoulder", "RightShoulder", "Spine", "Spine1", "Spine2"}) {

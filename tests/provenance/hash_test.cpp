@@ -1,5 +1,6 @@
 #include "retarget/hash.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -48,7 +49,11 @@ TEST(HashTest, ReportsMissingFiles) {
   EXPECT_NE(describe(missing.error()).find("missing: error: cannot read the file: No such file"),
             std::string::npos);
   EXPECT_FALSE(hash_file(folder.path().string()).has_value());
-  EXPECT_FALSE(hash_file("/dev/zero").has_value());
+  const auto device = hash_file("/dev/zero");
+  ASSERT_FALSE(device.has_value());
+#ifndef _WIN32
+  EXPECT_THAT(device.error().message, ::testing::HasSubstr("expected a regular file"));
+#endif
 }
 
 }  // namespace

@@ -98,6 +98,25 @@ HumanClip human_in(int frames, const std::function<Quaterniond(int)>& turn,
   return human;
 }
 
+// Lowers the hips of a frame and everything above; the feet stay on the floor, before the body.
+void lower_hips(HumanClip& human, int frame, double by) {
+  HumanPose& pose = human.world_from_bone[static_cast<std::size_t>(frame)];
+  for (const Bone bone : kAllBones) {
+    if (of_the_trunk(bone_name(bone))) pose[bone].translation.z() -= by;
+  }
+  for (const char* side : {"Left", "Right"}) {
+    const auto place = [&](const char* part) -> Vector3d& {
+      return pose[*bone_from_name(std::string(side) + part)].translation;
+    };
+    const double rise = place("UpLeg").z() - place("Foot").z();
+    constexpr double kLeg = 0.9;
+    const double ahead = std::sqrt(std::max(0.0, kLeg * kLeg - rise * rise));
+    const Vector3d step = place("UpLeg") + Vector3d(ahead, 0.0, -rise) - place("Foot");
+    place("Leg") = place("UpLeg") + Vector3d(ahead, 0.0, -rise) * (0.5 / kLeg);
+    for (const char* part : {"Foot", "Toe", "FootMod"}) place(part) += step;
+  }
+}
+
 Quaterniond about(const Vector3d& axis, double degrees) {
   return Quaterniond(AngleAxisd(degrees * kDegree, axis));
 }
@@ -203,25 +222,29 @@ TEST_F(TrunkLeanTest, IsTheMeanOverFramesAndReportsOutliers) {
 
 // Legs of 0.9 m: hips lower than 0.675 m are low.
 TEST_F(TrunkLeanTest, LyingIsALeanWithLowHips) {
+  double floor = 0.0;
   const auto lying_of = [&](double degrees, double height, int lying_frames = 10) {
     HumanClip human = bent(about(Vector3d::UnitY(), degrees));
-    for (int frame = 0; frame < lying_frames; ++frame) {
-      for (const Bone bone : kAllBones) {
-        human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() +=
-            height - 1.0;
-      }
+    for (int frame = 0; frame < lying_frames; ++frame) lower_hips(human, frame, 1.0 - height);
+    for (HumanPose& pose : human.world_from_bone) {
+      for (const Bone bone : kAllBones) pose[bone].translation.z() += floor;
     }
     const QualityReport report = measure(human, Quaterniond::Identity());
     const MetricValue* found = report.find("lying_pct");
     return found == nullptr ? -1.0 : found->value;
   };
-  EXPECT_EQ(lying_of(0.0, 1.0), 0.0);
-  EXPECT_EQ(lying_of(90.0, 1.0), 0.0);  // bends over
-  EXPECT_EQ(lying_of(0.0, 0.3), 0.0);   // squats or sits
-  EXPECT_EQ(lying_of(55.0, 0.5), 0.0);
-  EXPECT_EQ(lying_of(65.0, 0.5), 100.0);  // crawls
-  EXPECT_EQ(lying_of(-90.0, 0.2), 100.0);
-  EXPECT_EQ(lying_of(90.0, 0.2, 3), 30.0);
+  // Heights are those above the floor on which the feet stand.
+  for (const double height : {0.0, -1.0, 1.0}) {
+    SCOPED_TRACE(height);
+    floor = height;
+    EXPECT_EQ(lying_of(0.0, 1.0), 0.0);
+    EXPECT_EQ(lying_of(90.0, 1.0), 0.0);  // bends over
+    EXPECT_EQ(lying_of(0.0, 0.3), 0.0);   // squats or sits
+    EXPECT_EQ(lying_of(55.0, 0.5), 0.0);
+    EXPECT_EQ(lying_of(65.0, 0.5), 100.0);  // crawls
+    EXPECT_EQ(lying_of(-90.0, 0.2), 100.0);
+    EXPECT_EQ(lying_of(90.0, 0.2, 3), 30.0);
+  }
 }
 
 // Posture metrics omit lying frames, and half a second before and after.
@@ -230,11 +253,7 @@ TEST_F(TrunkLeanTest, IgnoresLyingFrames) {
     HumanClip human = human_in(
         frames, [](int) { return Quaterniond::Identity(); },
         [up](int frame) { return about(Vector3d::UnitY(), frame < up ? 90.0 : 20.0); });
-    for (int frame = 0; frame < std::min(up, frames); ++frame) {
-      for (const Bone bone : kAllBones) {
-        human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() -= 0.8;
-      }
-    }
+    for (int frame = 0; frame < std::min(up, frames); ++frame) lower_hips(human, frame, 0.8);
     return measure(human, Quaterniond::Identity());
   };
   const QualityReport standing = lies_until(0, 60), half = lies_until(30, 60);

@@ -295,5 +295,60 @@ TEST(FbxSceneTest, WarnsAboutNonUniformOrChangingScale) {
   EXPECT_THAT(clip->origin().warnings[1].message, HasSubstr("changes during the motion"));
 }
 
+// ufbx reads a file that ends inside its last section.
+TEST(FbxSceneTest, RejectsFilesThatAreCutOff) {
+  FbxText file;
+  const int root = file.node("Hi;ps { \n", 0, {0, 0, 0});
+  file.take("move", 0, 1);
+  file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {1, {1, 0, 0}}});
+  const std::string text = file.text() + "; a comment with {\n";
+  ASSERT_TRUE(read_scene(text, "whole.fbx").has_value());
+  const std::size_t last = text.find("Connections: {");
+  for (const std::size_t end : {text.rfind('}'), last + 20, text.find("\tC: \"OP\"")}) {
+    const auto cut = read_scene(text.substr(0, end), "cut.fbx");
+    ASSERT_FALSE(cut);
+    EXPECT_THAT(cut.error().message, HasSubstr("ends inside \"Connections\""));
+    EXPECT_THAT(cut.error().hint, HasSubstr("the file is truncated"));
+    EXPECT_EQ(cut.error().location.file, "cut.fbx");
+    EXPECT_GT(cut.error().location.line, 20U);
+  }
+}
+
+TEST(FbxSceneTest, RejectsKeysThatDoNotAscend) {
+  FbxText file;
+  const int root = file.node("Hips", 0, {0, 0, 0});
+  file.take("move", 0, 1);
+  file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {0.5, {2, 0, 0}}});
+  const auto clip = read_scene(file.text(), "test.fbx");
+  ASSERT_FALSE(clip);
+  EXPECT_THAT(clip.error().message, HasSubstr("key times of \"Hips\" do not ascend"));
+}
+
+// Without a skin, the rest pose that is a frame of any take was shown during the export.
+TEST(FbxSceneTest, FindsTheRestPoseInAllTakes) {
+  const auto first_turn = [](const char* take, double degrees) {
+    FbxText file;
+    const int root = file.node("Hips", 0, {0, 0, 0}, {{"Lcl Rotation", {0, 0, degrees}}});
+    file.node("Leg", root, {0.3, -2, 0.2});
+    file.take("A", 0, 1);
+    file.keys(root, "Lcl Rotation", {{0, {0, 0, 20}}, {1, {0, 0, 50}}});
+    file.take("B", 0, 1);
+    file.keys(root, "Lcl Rotation", {{0, {0, 0, 60}}, {1, {0, 0, 90}}});
+    file.take("pose", 0, 1);
+    file.keys(root, "Lcl Rotation", {{0, {0, 0, 5}}, {1, {0, 0, 5}}});
+    SceneReadOptions options;
+    options.take = take;
+    const auto clip = read_scene(file.text(), "test.fbx", options);
+    EXPECT_TRUE(clip.has_value());
+    const AngleAxisd found(clip->rotations(0)[0]);
+    return std::round(found.angle() * 180.0 / std::numbers::pi);
+  };
+  EXPECT_EQ(first_turn("A", 20), 20);
+  EXPECT_EQ(first_turn("B", 20), 60);
+  // A frame of no take is the rest pose; so is one that a take holds as a reference.
+  EXPECT_EQ(first_turn("B", 10), 50);
+  EXPECT_EQ(first_turn("B", 5), 55);
+}
+
 }  // namespace
 }  // namespace retarget

@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "gltf_text.h"
 #include "retarget/bytes.h"
 #include "support/temporary_folder.h"
 
@@ -26,40 +27,6 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 constexpr std::size_t kGltfMemory = std::size_t{1} << 30U;
-
-template <typename Number>
-std::string packed(const std::vector<Number>& numbers) {
-  std::string bytes(numbers.size() * sizeof(Number), '\0');
-  std::memcpy(bytes.data(), numbers.data(), bytes.size());
-  return bytes;
-}
-
-// A moving node: times and values, stored as floats in the text.
-struct Animated {
-  std::string path = "translation", interpolation = "LINEAR", type = "VEC3";
-  std::vector<float> times, values;
-  std::string nodes = R"({"name": "Hips"})";
-  std::string more;  // Members of the document, each preceded by a comma.
-  std::string uri;   // URI of the buffer; empty: embedded in the text.
-
-  [[nodiscard]] std::string bytes() const { return packed(times) + packed(values); }
-
-  [[nodiscard]] std::string text() const {
-    const std::string all = bytes();
-    const std::size_t width = type == "VEC3" ? 3 : 4;
-    return fmt::format(
-        R"({{"asset": {{"version": "2.0"}}, "nodes": [{}], "buffers": [{{"byteLength": {}, "uri": "{}"}}],
-"bufferViews": [{{"buffer": 0, "byteLength": {}}}, {{"buffer": 0, "byteOffset": {}, "byteLength": {}}}],
-"accessors": [{{"bufferView": 0, "componentType": 5126, "count": {}, "type": "SCALAR"}},
-{{"bufferView": 1, "componentType": 5126, "count": {}, "type": "{}"}}],
-"animations": [{{"name": "move", "channels": [{{"sampler": 0, "target": {{"node": 0, "path": "{}"}}}}],
-"samplers": [{{"input": 0, "output": 1, "interpolation": "{}"}}]}}]{}}})",
-        nodes, all.size(),
-        uri.empty() ? "data:application/octet-stream;base64," + base64_text(all) : uri,
-        4 * times.size(), 4 * times.size(), 4 * values.size(), times.size(), values.size() / width,
-        type, path, interpolation, more);
-  }
-};
 
 SceneGraph gltf_scene(const std::string& text) {
   auto scene = read_gltf(text, "test.gltf", kGltfMemory);
@@ -238,7 +205,7 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   const std::string name = (folder.path() / "test.gltf").string();
   folder.write("big.bin", packed<float>({0, 1}) + std::string(std::size_t{1} << 20U, '\0'));
   const auto text = [&](const std::string& uri) {
-    std::string buffers, views, accessors, channels, samplers;
+    std::string buffers, views, accessors, channels, samplers, nodes = R"({"name": "Hips"})";
     for (int i = 0; i < kBuffers; ++i) {
       const char* comma = i == 0 ? "" : ",";
       buffers += fmt::format(R"({}{{"byteLength": 32, "uri": "{}"}})", comma, uri);
@@ -246,16 +213,18 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
       accessors +=
           fmt::format(R"({}{{"bufferView": {}, "componentType": 5126, "count": 2, "type": "{}"}})",
                       comma, i, i == 0 ? "SCALAR" : "VEC3");
+      nodes += ",{}";
       if (i == 0) continue;
       comma = i == 1 ? "" : ",";
-      channels += fmt::format(
-          R"({}{{"sampler": {}, "target": {{"node": 0, "path": "translation"}}}})", comma, i - 1);
+      channels +=
+          fmt::format(R"({}{{"sampler": {}, "target": {{"node": {}, "path": "translation"}}}})",
+                      comma, i - 1, i - 1);
       samplers += fmt::format(R"({}{{"input": 0, "output": {}}})", comma, i);
     }
     return fmt::format(
-        R"({{"asset": {{"version": "2.0"}}, "nodes": [{{"name": "Hips"}}], "buffers": [{}],
+        R"({{"asset": {{"version": "2.0"}}, "nodes": [{}], "buffers": [{}],
 "bufferViews": [{}], "accessors": [{}], "animations": [{{"channels": [{}], "samplers": [{}]}}]}})",
-        buffers, views, accessors, channels, samplers);
+        nodes, buffers, views, accessors, channels, samplers);
   };
   // Four times the file size, for two hundred buffers.
   const auto once = read_gltf(text("big.bin"), name, std::size_t{4} << 20U);
@@ -311,11 +280,12 @@ TEST(GltfSceneTest, LimitsRepeatedReadsOfTheSameBytes) {
   moved.times.resize(20000);
   for (std::size_t i = 0; i < moved.times.size(); ++i) moved.times[i] = static_cast<float>(i);
   moved.values.resize(3 * moved.times.size());
+  for (int i = 1; i < 9000; ++i) moved.nodes += ",{}";
   std::string text = moved.text();
   std::string channels, samplers;
   for (int i = 0; i < 9000; ++i) {
     channels +=
-        fmt::format(R"({{"sampler": {}, "target": {{"node": 0, "path": "translation"}}}},)", i);
+        fmt::format(R"({{"sampler": {}, "target": {{"node": {}, "path": "translation"}}}},)", i, i);
     samplers += R"({"input": 0, "output": 1},)";
   }
   channels.pop_back();
@@ -325,6 +295,48 @@ TEST(GltfSceneTest, LimitsRepeatedReadsOfTheSameBytes) {
   text += fmt::format(R"("animations": [{{"channels": [{}], "samplers": [{}]}}]}})", channels,
                       samplers);
   EXPECT_THAT(message_of(text), HasSubstr("too often"));
+}
+
+TEST(GltfSceneTest, RejectsTwoChannelsOfOneProperty) {
+  Animated moved;
+  moved.times = {0, 1};
+  moved.values = {0, 0, 0, 1, 1, 1};
+  std::string text = moved.text();
+  const std::string channel = R"({"sampler": 0, "target": {"node": 0, "path": "translation"}})";
+  text.insert(text.find(channel), channel + ",");
+  EXPECT_THAT(message_of(text), HasSubstr("two channels of an animation move the translation"));
+  // Another property is not the same.
+  text = moved.text();
+  text.insert(text.find(channel), R"({"sampler": 0, "target": {"node": 0, "path": "scale"}},)");
+  EXPECT_THAT(message_of(text), ::testing::Not(HasSubstr("two channels")));
+}
+
+TEST(GltfSceneTest, RejectsOtherVersionsAndUnknownRequirements) {
+  Animated moved;
+  moved.times = {0, 1};
+  moved.values = {0, 0, 0, 1, 1, 1};
+  const std::string good = moved.text();
+  const auto with_version = [&](const std::string& version) {
+    std::string text = good;
+    text.replace(text.find(R"("2.0")"), 5, version);
+    return message_of(text);
+  };
+  EXPECT_THAT(with_version(R"("1.0")"), HasSubstr("expected version 2, found version 1.0"));
+  EXPECT_THAT(with_version("1"), HasSubstr("found version 1"));
+  EXPECT_EQ(with_version(R"("2.1")"), "");
+  moved.more = R"(, "extensionsRequired": ["KHR_materials_unlit", "KHR_draco_mesh_compression",
+"KHR_texture_transform", "EXT_meshopt_compression", "KHR_mesh_quantization", "VRMC_vrm"])";
+  EXPECT_EQ(message_of(moved.text()), "");
+  moved.more = R"(, "extensionsRequired": ["KHR_materials_unlit", "ACME_bones", "ACME_time"])";
+  EXPECT_THAT(message_of(moved.text()),
+              HasSubstr("it requires the extensions ACME_bones, ACME_time"));
+  // Meshes may be compressed, but not the numbers that are read.
+  moved.more = R"(, "extensionsRequired": ["EXT_meshopt_compression"])";
+  std::string packed_keys = moved.text();
+  const std::string view = R"("bufferViews": [{"buffer": 0,)";
+  packed_keys.replace(packed_keys.find(view), view.size(),
+                      view + R"( "extensions": {"EXT_meshopt_compression": {"buffer": 0}},)");
+  EXPECT_THAT(message_of(packed_keys), HasSubstr("compressed (EXT_meshopt_compression)"));
 }
 
 }  // namespace

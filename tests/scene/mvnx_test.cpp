@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <chrono>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/option_name.h"
 #include "formats/containers/file_kind.h"
 #include "retarget/pose.h"
 #include "scene_test_support.h"
@@ -32,16 +34,21 @@ struct Document {
       "label=\"jHip\"><connector1>Pelvis/jHip</connector1><connector2>Leg/jHip</connector2></"
       "joint>";
 
-  void add(const std::string& type, const std::vector<Pose>& poses) {
+  void add(const std::string& type, const std::vector<Pose>& poses,
+           const std::string& stamp = "time=\"0\"") {
     std::string rotations, positions;
     for (const auto& [q, p] : poses) {
       rotations += fmt::format("{} {} {} {} ", q.w(), q.x(), q.y(), q.z());
       positions += fmt::format("{} {} {} ", p.x(), p.y(), p.z());
     }
     frames += fmt::format(
-        "<frame time=\"0\" "
-        "type=\"{}\"><orientation>{}</orientation><position>{}</position></frame>\n",
-        type, rotations, positions);
+        "<frame {} type=\"{}\"><orientation>{}</orientation><position>{}</position></frame>\n",
+        stamp, type, rotations, positions);
+  }
+
+  // Adds a frame at a time in milliseconds.
+  void add_at(double time, int index) {
+    add("normal", {{}, {}, {}}, fmt::format("time=\"{}\" index=\"{}\"", time, index));
   }
 
   [[nodiscard]] std::string text() const {
@@ -138,6 +145,83 @@ TEST(MvnxTest, RejectsImpossibleValues) {
   EXPECT_THAT(read_mvnx(many + "/>", "many.mvnx", {}).error().message,
               HasSubstr("more than 100 attributes"));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+}
+
+std::string clock_message(const Document& document) {
+  const auto clip = read_mvnx(document.text(), "test.mvnx", {});
+  return clip ? std::string() : clip.error().message;
+}
+
+TEST(MvnxTest, RejectsMissingFrames) {
+  Document gap;
+  for (int i = 0; i < 40; ++i) {
+    if (i < 10 || i >= 20) gap.add_at(std::floor(1000.0 * i / 60.0), i);
+  }
+  EXPECT_THAT(clock_message(gap), HasSubstr("frame 10 comes 183 ms after the frame before"));
+  const auto refused = read_mvnx(gap.text(), "test.mvnx", {});
+  EXPECT_EQ(refused.error().location.line, 12U);
+  EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("source-fps")));
+  SceneReadOptions options;
+  options.source_fps = 60.0;
+  const auto clip = read_mvnx(gap.text(), "test.mvnx", options);
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_EQ(clip->frame_count(), 30);
+  ASSERT_EQ(clip->origin().warnings.size(), 1U);
+  EXPECT_THAT(clip->origin().warnings[0].message, HasSubstr("frames may be missing"));
+
+  Document without_times;
+  for (const int index : {0, 1, 2, 5, 6}) without_times.add_at(0, index);
+  EXPECT_THAT(clock_message(without_times), HasSubstr("frame 3 has index 5 after 2"));
+  Document back;
+  for (const double time : {0.0, 17.0, 33.0, 33.0, 50.0}) back.add_at(time, 0);
+  EXPECT_THAT(clock_message(back), HasSubstr("not uniform"));
+}
+
+TEST(MvnxTest, RejectsARateThatContradictsTheTimes) {
+  Document document;
+  for (int i = 0; i < 30; ++i) document.add_at(std::round(1000.0 * i / 30.0), i);
+  EXPECT_THAT(clock_message(document), HasSubstr("states 60 fps, but the times of its frames"));
+  SceneReadOptions options;
+  options.source_fps = 60.0;
+  const auto clip = read_mvnx(document.text(), "test.mvnx", options);
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_EQ(to_text(clip->rate()), "60");
+}
+
+TEST(MvnxTest, ToleratesTimesInWholeMilliseconds) {
+  for (const int fps : {30, 60, 100, 120, 240}) {
+    for (const bool is_truncated : {false, true}) {
+      Document document;
+      document.rate = fmt::format("frameRate=\"{}\"", fps);
+      for (int i = 5; i < 300; ++i) {
+        const double time = 1000.0 * i / fps;
+        document.add_at(is_truncated ? std::floor(time) : std::round(time), i);
+      }
+      EXPECT_EQ(clock_message(document), "") << fps;
+    }
+  }
+  // A few frames do not contradict a rate by rounding alone.
+  Document two;
+  two.add_at(0, 0);
+  two.add_at(16, 1);
+  EXPECT_EQ(clock_message(two), "");
+  // Times that are all equal determine no rate.
+  Document none;
+  for (int i = 0; i < 3; ++i) none.add_at(0, 0);
+  EXPECT_EQ(clock_message(none), "");
+}
+
+TEST(MvnxTest, ReadsFilesWithADocumentType) {
+  Document document;
+  document.add("normal", poses(0.0));
+  for (const char* type :
+       {"<!DOCTYPE mvnx>", "<!DOCTYPE mvnx [ <!ELEMENT mvnx ANY>\n<!ELEMENT subject ANY> ]>"}) {
+    std::string text = document.text();
+    text.insert(text.find("<mvnx"), type);
+    EXPECT_EQ(file_type(text).kind, FileKind::kMvnx);
+    const auto clip = read_mvnx(text, "typed.mvnx", {});
+    EXPECT_TRUE(clip.has_value()) << type;
+  }
 }
 
 }  // namespace

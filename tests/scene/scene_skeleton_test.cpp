@@ -60,6 +60,24 @@ TEST(SceneSkeletonTest, RequiresAChoiceBetweenTwoDancers) {
   EXPECT_THAT(both.error().message, HasSubstr("2 possible skeletons"));
   // By a node above the root if the roots have equal names.
   EXPECT_EQ(choose_skeleton(scene, 0, "Armature.001", "a.fbx")->joints.front(), hips);
+  EXPECT_THAT(both.error().hint, HasSubstr("\"Armature\", \"Armature.001\""));
+}
+
+TEST(SceneSkeletonTest, ChoosesBetweenEqualNamesByNumber) {
+  SceneGraph scene = scene_of_one_take();
+  const int first = add_chain(scene, "hips", -1, 15, true, true);
+  const int second = add_chain(scene, "hips", -1, 15, true, true);
+  for (const char* root : {"", "hips"}) {
+    const auto both = choose_skeleton(scene, 0, root, "a.fbx");
+    ASSERT_FALSE(both);
+    EXPECT_THAT(both.error().hint, HasSubstr("NUMBER: 1, 2"));
+  }
+  EXPECT_EQ(choose_skeleton(scene, 0, "1", "a.fbx")->joints.front(), first);
+  EXPECT_EQ(choose_skeleton(scene, 0, "2", "a.fbx")->joints.front(), second);
+  EXPECT_FALSE(choose_skeleton(scene, 0, "3", "a.fbx"));
+  // A name comes before a number.
+  scene.nodes[static_cast<std::size_t>(first)].name = "2";
+  EXPECT_EQ(choose_skeleton(scene, 0, "2", "a.fbx")->joints.front(), first);
 }
 
 // The part of the warning about a choice that names the alternatives.

@@ -162,6 +162,30 @@ TEST(JointMotionTest, ReportsAssumedRates) {
   EXPECT_THAT(joint_error(places("joints", 24)), HasSubstr("--source-fps"));
 }
 
+TEST(JointMotionTest, ReadsRatesByTheirUsualNames) {
+  const auto file = [](const char* rate, double value, bool with_names) {
+    NpzWriter writer;
+    writer.add("joints", float64_array(counted(132), {2, 22, 3}));
+    if (with_names) writer.add("joint_names", text_array(std::vector<std::string>(22, "a")));
+    writer.add(rate, float64_array(std::vector<double>{value}, {}));
+    return writer.finish().value();
+  };
+  for (const char* rate :
+       {"fps", "frame_rate", "framerate", "mocap_framerate", "mocap_frame_rate"}) {
+    EXPECT_EQ(to_text(joints_of(file(rate, 30, true)).rate), "30") << rate;
+  }
+  for (const char* time : {"dt", "frame_time", "frametime"}) {
+    const JointMotion motion = joints_of(file(time, 0.033333, true));
+    EXPECT_EQ(to_text(motion.rate), "30") << time;
+    EXPECT_EQ(texts_of(motion), "") << time;
+  }
+  EXPECT_THAT(joint_error(file("dt", -1.0, true)), HasSubstr("expected seconds per frame"));
+  // Without a rate, 22 joints are HumanML3D's only if the file does not name them.
+  EXPECT_THAT(joint_error(file("other", 30, true)), HasSubstr("no frame rate: found none of"));
+  EXPECT_EQ(joints_of(file("other", 30, false)).order_of_rate, "SMPL");
+  EXPECT_EQ(joints_of(file("dt", 0.05, false)).order_of_rate, "");
+}
+
 std::string kimodo(std::size_t joints, double one = 1.0) {
   NpzWriter writer;
   std::vector<double> matrices;

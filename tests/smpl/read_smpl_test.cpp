@@ -362,6 +362,15 @@ TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
   EXPECT_THAT(amass_error(amass), HasSubstr("array \"poses\": infinity in frame 1, column 3"));
   amass.poses[156 + 3] = 180;
   EXPECT_THAT(amass_error(amass), HasSubstr("in radians, found 180.000000 in frame 1, column 3"));
+  // Degrees below 100, in three joints; in radians, a root may turn several times.
+  amass = Amass();
+  for (std::size_t frame = 0; frame < kFrames; ++frame) amass.poses[frame * 156] = 20.0;
+  amass_motion(amass);
+  for (const std::size_t joint : {4U, 5U, 18U}) amass.poses[156 + 3 * joint + 1] = 50.0 + joint;
+  EXPECT_THAT(amass_error(amass), AllOf(HasSubstr("found 68.000000 in frame 1, left_elbow"),
+                                        HasSubstr("are these degrees?")));
+  amass.poses[156 + 3 * 4 + 1] = 1.0;
+  amass_motion(amass);
   amass = Amass();
   amass.trans[10] = nan;
   EXPECT_THAT(amass_error(amass), HasSubstr("array \"trans\": NaN in frame 3, column 1"));

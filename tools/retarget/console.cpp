@@ -83,7 +83,7 @@ std::string Console::paint_severity(std::string text) const {
 }
 
 void Console::line(std::string_view label, std::string_view with_marks) {
-  const std::string text = spell_options(with_marks, option_as_flag);
+  const std::string text = without_line_feeds(spell_options(with_marks, option_as_flag));
   if (notes_ != nullptr) notes_->lines.emplace_back(label, text);
   if (quiet_ || notes_ != nullptr) return;
   end_progress();

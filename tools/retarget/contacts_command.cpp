@@ -21,6 +21,7 @@ Result<void> contacts(const ContactsArguments& arguments, Console& console) {
   RETARGET_TRY(check_config_choice(run.robot, run.options.solve));
   RETARGET_TRY(check_solving_options(run.options));
   RETARGET_TRY(check_written({arguments.json}, files_read(run, arguments.run.common)));
+  RETARGET_TRY(check_output_ending(arguments.json, {".json"}, "a table in JSON"));
   RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(run, arguments.run.common, console));
   RETARGET_TRY(check_has_contacts(*setup.loaded.robot));
   RETARGET_TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.run.request, setup, console));

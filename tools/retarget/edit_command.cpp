@@ -279,12 +279,20 @@ HumanOptions human_options(const EditArguments& options) {
   return same ? options.human : HumanOptions();
 }
 
+Result<void> check_endings(const EditArguments& options) {
+  RETARGET_TRY(check_output_ending(options.output, {".bvh", ".glb"}, "a BVH file or a GLB"));
+  RETARGET_TRY(check_output_ending(options.matrix, {".pgm"}, "a picture in the format PGM"));
+  RETARGET_TRY(check_output_ending(options.fit, {".json"}, "a path in JSON"));
+  return check_output_ending(options.svg, {".svg"}, "a picture in the format SVG");
+}
+
 }  // namespace
 
 Result<void> edit(const EditArguments& options, Console& console) {
   RETARGET_TRY(
       check_written({options.output, options.matrix, options.fit, options.svg, options.write_map},
                     files_of(options)));
+  RETARGET_TRY(check_endings(options));
   const auto clip = EditRun(options, console).run();
   if (!clip) return failure(placed(clip.error(), shown_name(options.file)));
   if (!*clip) return {};

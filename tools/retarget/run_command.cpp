@@ -111,8 +111,10 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   }
   std::vector<std::string> read = files_of(run, data_folder);
   read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
-  return check_outputs(run, request.sidecar, read,
-                       {request.report, arguments.html, arguments.png, request.write_map});
+  RETARGET_TRY(check_outputs(run, request.sidecar, read,
+                             {request.report, arguments.html, arguments.png, request.write_map}));
+  RETARGET_TRY(check_output_ending(arguments.png, {".png"}, "a picture in the format PNG"));
+  return check_output_ending(arguments.html, {".html", ".htm"}, "a page in HTML");
 }
 
 }  // namespace

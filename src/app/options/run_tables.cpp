@@ -154,7 +154,8 @@ OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
   constexpr const char* group = kMotionFileGroup;
   const OptionInfo info{.decides = decides, .uses = OptionUse::kShowBatch | OptionUse::kInspect};
   OptionTable table = {
-      option("from", options.from, group, "", "NPZ: joint order of the file", info),
+      option("from", options.from, group, "",
+             "NPZ: joint order of the file; others: read it without comparing its bodies", info),
       option("source-quat", options.quaternion, group, "",
              "Order of the root quaternion in the file", info),
       option("source-angles", options.angles, group, "", "Unit of the joints in a CSV or pickle",
@@ -165,7 +166,8 @@ OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
              "Robot variant whose joints the file contains", info),
       option("ignore-header", options.ignore_header, group, "",
              "Read the columns of a CSV by position and ignore its header", info)};
-  table[0].choices = {"npz-mjlab", "npz-beyondmimic"};
+  table[0].choices = {"npz-mjlab", "npz-beyondmimic", "npz-holosoma",
+                      "pkl-gmr",   "protomotions",    "csv-sonic"};
   table[2].choices = {"rad", "deg"};
   table[3].choices = {"m", "cm", "mm"};
   // An empty value leaves the unit to the file.

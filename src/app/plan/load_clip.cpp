@@ -14,6 +14,7 @@
 #include "formats/registry/format.h"
 #include "human/skeleton/bone_map.h"
 #include "human/skeleton/calibrate.h"
+#include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
 #include "human/skeleton/limb_directions.h"
 #include "human/skeleton/recognise.h"
@@ -28,9 +29,18 @@
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "solve/targets/trunk_lines.h"
 
 namespace retarget {
 namespace {
+
+// The bend is a property of the skeleton and the person, so that all parts of the clip have the same.
+std::optional<double> bend_of_clip(const Clip& clip, const Calibration& calibration) {
+  HumanPoser poser(clip, calibration);
+  const HumanClipInfo info = poser.info();
+  if (info.frame_count == 0 || !has_trunk(info)) return std::nullopt;
+  return standing_bend(info, poses_of(poser));
+}
 
 Result<Clip> load(const std::string& file, const SourceOptions& options, bool skeleton_only) {
   TRY(check_robot_source(options));
@@ -146,6 +156,7 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
   if (const auto twisted = let_bends_win(clip, map, calibration)) doubts.push_back(*twisted);
   if (doubt) doubts.insert(doubts.begin(), *doubt);
   doubts.insert(doubts.begin(), unit_doubts.begin(), unit_doubts.end());
+  calibration.standing_bend = bend_of_clip(clip, calibration);
   return HumanInClip{std::move(map), std::move(calibration)};
 }
 

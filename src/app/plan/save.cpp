@@ -105,6 +105,16 @@ bool is_foreign(std::string_view ending) {
          (is_human_ending(ending) && output_ending(ending) != ending);
 }
 
+// Extensions of pictures and documents, which only some outputs are.
+constexpr std::string_view kShownEndings[] = {".png",  ".svg", ".pgm", ".pdf", ".jpg", ".jpeg",
+                                              ".webp", ".gif", ".mp4", ".htm", ".md",  ".yaml"};
+
+// Whether an extension belongs to some kind of file that retarget or other programs know.
+bool is_of_known_kind(std::string_view ending) {
+  return is_foreign(ending) || is_human_ending(ending) || is_robot_ending(ending) ||
+         std::ranges::find(kShownEndings, ending) != std::end(kShownEndings);
+}
+
 // Names of the formats with this ending.
 std::string formats_ending_in(std::string_view ending) {
   std::vector<std::string> names;
@@ -194,6 +204,16 @@ Result<std::vector<OutputItem>> items_of(const std::string& output, const SaveOp
 }
 
 }  // namespace
+
+Result<void> check_output_ending(const std::string& path,
+                                 std::initializer_list<std::string_view> endings,
+                                 const std::string& kind) {
+  const std::string ending = ending_of(path);
+  if (std::ranges::find(endings, ending) != endings.end() || !is_of_known_kind(ending)) return {};
+  return usage_failure("the output \"" + path + "\" ends in " +
+                           fs::path(path).extension().string() + ", but it is " + kind,
+                       "give a name that ends in " + std::string(*endings.begin()));
+}
 
 Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
                                              const SaveOptions& options) {

@@ -40,7 +40,9 @@ Result<std::string> hash_file(const std::string& path, ErrorKind kind) {
   const auto info = os::status_of(file.descriptor);
   if (!info) return file_failure(kind, path, errno);
   if (info->kind == os::EntryKind::kFolder) return file_failure(kind, path, EISDIR);
-  if (info->kind != os::EntryKind::kRegular) return file_failure(kind, path, ENODEV);
+  if (info->kind != os::EntryKind::kRegular) {
+    return failure({kind, {path, 0, 0}, "expected a regular file, found a device or pipe", {}, {}});
+  }
   TRY_ASSIGN(auto hasher, ContentHasher::create());
   const auto piece = std::make_unique_for_overwrite<char[]>(kPiece);
   for (;;) {

@@ -167,11 +167,14 @@ Result<RobotMotion> load_recorded_motion(const std::string& path,
 void report_reading(const std::string& file, const RobotMotion& motion, Observer& observer,
                     const std::string& rate_option) {
   const std::string rate = rate_option.empty() ? OPTION("source-fps") : rate_option;
+  const std::string remedy = motion.format == MotionFormat::kCsvSoma
+                                 ? "SOMA's 120 fps are assumed, " + rate + " states another rate"
+                                 : "set " + rate;
   observer.line("read", (file == "-" ? "standard input" : file) + ": " +
                             std::string(format_name(motion.format)) + ", " +
                             count_text(motion.clip.frame_count(), "frame") + " at " +
                             to_text(motion.clip.rate()) + " fps" +
-                            (motion.rate_known ? "" : "; the file states no rate: set " + rate));
+                            (motion.rate_known ? "" : "; the file states no rate: " + remedy));
   for (const std::string& note : motion.notes) observer.line("", note);
   for (const std::string& warning : motion.warnings) observer.warn({{0, 0, warning}}, file);
 }

@@ -314,6 +314,7 @@ Result<void> check_outputs(const Run& run, bool sidecar, const std::vector<std::
     return usage_failure(OPTION("contacts") " needs a file", "name one that ends in .csv");
   }
   TRY(written.take(run.options.save.contacts));
+  TRY(check_output_ending(run.options.save.contacts, {".csv"}, "a table of contacts in CSV"));
   TRY(written.take(run.options.save.scene_out));
   TRY_ASSIGN(const std::string reference, reference_path(run.output, run.options.save));
   TRY(written.take(reference));

@@ -242,19 +242,20 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
 
 namespace {
 
-// Replaces the clip and its surroundings by their mirror images. Uses the calibration of the
-// original, so that both are interpreted alike.
+// Replaces the clip, its calibration and its surroundings by their mirror images.
 Result<void> mirror_plan(Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
-  TRY_ASSIGN(Clip image, located(mirror(*plan.clip, calibration), plan.clip->name()));
-  image.set_origin(plan.clip->origin());
+  TRY_ASSIGN(MirroredHuman image,
+             located(mirror_human(*plan.clip, calibration), plan.clip->name()));
+  image.clip.set_origin(plan.clip->origin());
   if (plan.scene) {
     Scene scene = *plan.scene;
     mirror_scene(mirror_plane(*plan.clip, calibration), scene, plan.object_tracks);
     plan.scene = std::make_shared<const Scene>(std::move(scene));
   }
   for (ContactEdit& edit : plan.contact_edits) edit.part = part_of_other_side(edit.part);
-  plan.clip = std::make_shared<const Clip>(std::move(image));
+  plan.clip = std::make_shared<const Clip>(std::move(image.clip));
+  plan.human.calibration = std::move(image.calibration);
   return {};
 }
 

@@ -118,7 +118,9 @@ Result<void> HierarchyParser::parse_start() {
   if (take_word("HIERARCHY")) return {};
   const FileType type = file_type(source_.text());
   if (!type.what.empty() && type.kind != FileKind::kBvh) {
-    return source_.failure_at(0, "expected HIERARCHY, found " + std::string(type.what),
+    // The file may be meant to be of any format.
+    const std::string expected = source_.text().empty() ? "HIERARCHY" : "a human motion";
+    return source_.failure_at(0, "expected " + expected + ", found " + std::string(type.what),
                               std::string(type.hint));
   }
   const bool begins_late = equal_ignoring_case(token, "ROOT");

@@ -24,7 +24,7 @@ constexpr std::string_view kLfsHint =
     "git-LFS has not fetched the file: run `git lfs pull` in its repository";
 constexpr std::string_view kWebHint =
     "the download returned a web page instead of the file: use the link to the raw file";
-constexpr std::string_view kUnpackHint = "unpack it and pass the .bvh file inside";
+constexpr std::string_view kUnpackHint = "unpack it and give the motion file inside";
 constexpr std::string_view kUnsupportedHint =
     "unpack it, or dump it with joblib's compress=3 (zlib)";
 constexpr std::string_view kFbxHint = "export the motion as BVH, for instance from Blender";
@@ -120,7 +120,9 @@ bool is_mvnx(std::string_view bytes) {
     skip_blanks(bytes);
     if (bytes.starts_with("<mvnx")) return true;
     if (!bytes.starts_with("<?") && !bytes.starts_with("<!")) return false;
-    const std::string_view end = bytes.starts_with("<!--") ? "-->" : ">";
+    std::string_view end = bytes.starts_with("<!--") ? "-->" : ">";
+    // A document type may contain declarations in brackets.
+    if (bytes.starts_with("<!DOCTYPE") && bytes.find('[') < bytes.find('>')) end = "]>";
     const std::size_t at = bytes.find(end);
     if (at == std::string_view::npos) return false;
     bytes.remove_prefix(at + end.size());

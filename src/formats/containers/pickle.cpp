@@ -128,6 +128,7 @@ bool looks_like_pickle(std::string_view bytes) {
 
 Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file) {
   PickleDocument document;
+  const std::size_t file_bytes = bytes.size();
   const bool compressed = is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
   if (compressed) {
     TRY_ASSIGN(document.unpacked_, unpack(bytes, file));
@@ -144,7 +145,7 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
                          compressed && !old ? "unpack it and pass the file inside"
                                             : "write it with Python 3's pickle.dump(motion, file)");
   }
-  PickleReader reader(bytes, file, document);
+  PickleReader reader(bytes, file, document, PickleReader::Dialect::kPlain, file_bytes);
   TRY(reader.read());
   return document;
 }

@@ -95,9 +95,9 @@ class PickleDocument {
 /// with the raw array bytes that follow it (padded since joblib 1.2). joblib files may be
 /// compressed with zlib or gzip. Anything else (other opcodes, other names, truncation) is an error
 /// that names it and its byte offset. Memory is allocated for bytes that are present, not for sizes
-/// that the file claims: at most two million values, arrays together no larger than the file, and a
-/// compressed file unpacks to at most 1 GiB and to at most 64 times its size (or 8 MiB, if that is
-/// more).
+/// that the file claims: at most one value per four bytes of the file (or two million, if that is
+/// more), arrays together no larger than the file, and a compressed file unpacks to at most 1 GiB
+/// and to at most 64 times its size (or 8 MiB, if that is more).
 ///
 /// @param bytes  the whole file; must outlive the document.
 /// @param file   name for messages.

@@ -13,7 +13,11 @@ namespace {
 
 using Kind = PickleNode::Kind;
 
-constexpr std::size_t kMaxNodes = 2'000'000;
+// Values that any file may have, and bytes of larger files per value. A value of a file takes 64
+// bytes in memory, and 9 in the file if it is a number with decimals.
+constexpr std::size_t kFreeNodes = 2'000'000;
+constexpr std::size_t kBytesOfNode = 4;
+
 std::uint64_t unsigned_of(std::string_view bytes) {
   return little_endian(bytes, 0, bytes.size());
 }
@@ -28,6 +32,10 @@ std::int64_t signed_of(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::size_t PickleReader::node_limit(std::size_t file_bytes) {
+  return std::max(kFreeNodes, file_bytes / kBytesOfNode);
+}
 
 Failure PickleReader::fault(const std::string& message, std::string hint) const {
   return input_failure(file_, message + " (byte " + std::to_string(opcode_at_) + " of the pickle)",
@@ -75,8 +83,9 @@ Result<std::vector<PickleReader::Node>> PickleReader::pop_to_mark() {
 }
 
 Result<void> PickleReader::push(PickleNode made) {
-  if (document_.nodes_.size() >= kMaxNodes) {
-    return fault("the pickle has more than two million values, too many for a motion");
+  if (document_.nodes_.size() >= max_nodes_) {
+    return fault("the pickle has more than " + std::to_string(max_nodes_) +
+                 " values, too many for a motion of its size");
   }
   stack_.push_back(static_cast<Node>(document_.nodes_.size()));
   document_.nodes_.push_back(std::move(made));
@@ -190,7 +199,7 @@ Result<bool> PickleReader::read_container(PickleOp op) {
   switch (op) {
     case PickleOp::kMark:
       // Marks create no nodes, so limit them separately.
-      if (marks_.size() >= kMaxNodes) return fault("the pickle nests lists too deeply");
+      if (marks_.size() >= max_nodes_) return fault("the pickle nests lists too deeply");
       marks_.push_back(stack_.size());
       return true;
     case PickleOp::kEmptyTuple:
@@ -259,12 +268,12 @@ Result<bool> PickleReader::read_memo(PickleOp op) {
       return fault("the pickle refers to its value " + std::to_string(number) +
                    ", which it never stored");
     }
-    if (stack_.size() >= 2 * kMaxNodes) return fault("the pickle repeats a value too often");
+    if (stack_.size() >= 2 * max_nodes_) return fault("the pickle repeats a value too often");
     stack_.push_back(found->second);
     return true;
   }
   if (stack_.empty()) return fault("the pickle stores a value that it never created");
-  if (memo_.size() >= kMaxNodes) return fault("the pickle stores more values than it can have");
+  if (memo_.size() >= max_nodes_) return fault("the pickle stores more values than it can have");
   memo_.insert_or_assign(number, stack_.back());
   return true;
 }

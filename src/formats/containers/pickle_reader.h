@@ -73,9 +73,15 @@ class PickleReader {
   /// Objects that a pickle may contain in addition to plain values and NumPy arrays.
   enum class Dialect : std::uint8_t { kPlain, kTorch };
 
+  /// @param file_bytes  size of the file, which is smaller than `bytes` if it is compressed. It
+  ///     limits the number of values.
   PickleReader(std::string_view bytes, std::string file, PickleDocument& document,
-               Dialect dialect = Dialect::kPlain)
-      : bytes_(bytes), file_(std::move(file)), document_(document), dialect_(dialect) {}
+               Dialect dialect = Dialect::kPlain, std::size_t file_bytes = 0)
+      : bytes_(bytes),
+        file_(std::move(file)),
+        document_(document),
+        dialect_(dialect),
+        max_nodes_(node_limit(file_bytes)) {}
 
   [[nodiscard]] Result<void> read();
 
@@ -137,6 +143,7 @@ class PickleReader {
   [[nodiscard]] Result<std::string_view> take(std::uint64_t size);
   [[nodiscard]] Result<std::uint64_t> take_size(int bytes);
   [[nodiscard]] Result<std::string_view> take_line();
+  [[nodiscard]] static std::size_t node_limit(std::size_t file_bytes);
   [[nodiscard]] Result<Node> pop();
   [[nodiscard]] Result<std::vector<Node>> pop_to_mark();
   [[nodiscard]] Result<void> push(PickleNode node);
@@ -153,6 +160,7 @@ class PickleReader {
   std::string file_;
   PickleDocument& document_;
   Dialect dialect_;
+  std::size_t max_nodes_;
   std::size_t at_ = 0;
   std::size_t opcode_at_ = 0;  // Offset of the current opcode.
   std::vector<Node> stack_;

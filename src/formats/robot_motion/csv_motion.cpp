@@ -29,6 +29,11 @@ Result<RawMotion> read_csv_motion(std::string_view text, const std::shared_ptr<c
   TRY_ASSIGN(const auto table, read_csv_table(text, file));
   TRY_ASSIGN(const auto columns, find_csv_columns(table, *robot, file, options));
   RawMotion raw;
+  if (table.may_be_cut_off) {
+    raw.warnings.push_back("the last number of line " + std::to_string(table.lines.back()) +
+                           " is shorter than on all other lines, and no line ending follows: the "
+                           "file may not have been copied completely");
+  }
   raw.format = columns.soma ? MotionFormat::kCsvSoma : MotionFormat::kCsv;
   raw.frames = table.rows();
   raw.joint_count = columns.joints.size();

@@ -32,13 +32,18 @@ class CsvTableReader {
       return input_failure(file_, "the file is UTF-16 text", "save it as UTF-8");
     }
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
+    const bool is_ended = text.ends_with(line_end);
     while (!text.empty()) {
-      const std::size_t end = std::min(text.find('\n'), text.size());
+      const std::size_t end = std::min(text.find(line_end), text.size());
       ++line_;
       TRY(read_line(text.substr(0, end)));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (table_.rows() == 0) return input_failure(file_, "the file has no frames");
+    constexpr std::size_t kFewestRows = 4;
+    table_.may_be_cut_off = !is_ended && table_.rows() >= kFewestRows && same_decimals_ &&
+                            last_decimals_ < usual_decimals_;
     if (!table_.header.empty() && table_.header.size() != table_.columns) {
       return input_failure(file_, "the header has " + count_text(table_.header.size(), "column") +
                                       ", the lines " + std::to_string(table_.columns));
@@ -100,7 +105,18 @@ class CsvTableReader {
       table_.values.push_back(*value);
     }
     table_.lines.push_back(line_);
+    count_decimals(cells_.back().text);
     return {};
+  }
+
+  // Compares the last number of a line with those of the lines before it.
+  void count_decimals(std::string_view number) {
+    if (table_.rows() > 1) {
+      same_decimals_ = table_.rows() == 2 || (same_decimals_ && last_decimals_ == usual_decimals_);
+      usual_decimals_ = last_decimals_;
+    }
+    const std::size_t point = number.find('.');
+    last_decimals_ = point == std::string_view::npos ? 0 : number.size() - point;
   }
 
   const std::string& file_;
@@ -108,6 +124,9 @@ class CsvTableReader {
   std::vector<CsvCell> cells_;
   std::size_t line_ = 0;  // One-based.
   bool begun_ = false;    // A line with cells has been read.
+  // Of the last numbers of lines, with the point: in the last line, and in those before it.
+  std::size_t last_decimals_ = 0, usual_decimals_ = 0;
+  bool same_decimals_ = false;  // In all lines before the last one.
 };
 
 }  // namespace

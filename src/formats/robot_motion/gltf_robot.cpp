@@ -255,6 +255,7 @@ Result<std::string> format_robot_glb(const RobotClip& clip, const HumanInWorld* 
   TRY(check_key_times(clip.rate(), clip.frame_count()));
   if (human != nullptr) TRY(check_key_times(human->clip->rate(), human->clip->frame_count()));
   GltfWriter writer;
+  writer.mark_robot(clip.robot().name());
   GltfAnimation animation(writer, name.empty() ? "motion" : name);
   std::vector<int> roots = {add_nodes(clip, writer)};
   std::vector<BodyTrack> tracks = tracks_of(clip.robot());

@@ -49,6 +49,10 @@ GltfWriter::GltfWriter() {
   document_["asset"] = {{"version", "2.0"}, {"generator", "retarget"}};
 }
 
+void GltfWriter::mark_robot(const std::string& name) {
+  document_["asset"]["extras"] = {{"robot", name}};
+}
+
 int GltfWriter::add(const char* list, Json object) {
   Json& all = document_[list];
   all.push_back(std::move(object));

@@ -30,6 +30,9 @@ class GltfWriter {
 
   GltfWriter();
 
+  /// Marks the file as the display of a robot, which readers of human motions reject.
+  void mark_robot(const std::string& name);
+
   /// Appends an object to one of the lists (`nodes`, `meshes`, ...).
   /// @return its index.
   int add(const char* list, Json object);

@@ -1,10 +1,9 @@
 // Reads motions from tracking NPZ files. Forward kinematics reveals the order of joints and bodies.
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,7 +16,6 @@
 #include "formats/robot_motion/trainer_arrays.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
-#include "retarget/pose.h"
 #include "retarget/robot.h"
 #include "retarget/text.h"
 #include "robot/model/variant.h"
@@ -27,38 +25,27 @@ namespace {
 
 // Tolerance of body positions against the robot's model, metres.
 constexpr double kSamePlace = 0.01;
-constexpr std::size_t kFramesCompared = 40;
 // Position and quaternion.
 constexpr std::size_t kRootNumbers = 7;
 
 // Maximum distance of bodies from their positions in a layout, over a sample of frames.
-double largest_distance(const Robot& robot, const TrackingLayout& layout,
-                        const TrainerArrays& arrays) {
-  std::vector<Pose> world_from_body(robot.bodies().size());
-  double largest = 0.0;
-  const std::size_t step = std::max<std::size_t>(1, arrays.raw.frames / kFramesCompared);
-  for (std::size_t frame = 0; frame < arrays.raw.frames; frame += step) {
-    std::vector<double> qpos = robot.zero_configuration();
-    const double* place = arrays.position.data() + 3 * frame * arrays.bodies;
+double layout_distance(const Robot& robot, const TrackingLayout& layout,
+                       const TrainerArrays& arrays) {
+  std::vector<PlacedBody> bodies;
+  for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
+    bodies.push_back({b, {layout.bodies[b], Eigen::Vector3d::Zero()}});
+  }
+  const auto pose = [&](std::size_t frame, std::span<double> qpos) {
+    std::copy_n(arrays.position.data() + 3 * frame * arrays.bodies, 3, qpos.begin());
     const double* turn = arrays.rotation.data() + 4 * frame * arrays.bodies;
-    std::copy_n(place, 3, qpos.begin());
     std::copy_n(turn, 4, qpos.begin() + 3);
-    if (!(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3] > 0.25)) {
-      continue;
-    }
     for (std::size_t j = 0; j < layout.joints.size(); ++j) {
       qpos[robot.joints()[layout.joints[j]].qpos_address] =
           arrays.raw.joints[frame * arrays.raw.joint_count + j];
     }
-    forward_kinematics(robot, qpos, world_from_body);
-    for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
-      const Eigen::Vector3d found(place[3 * b], place[3 * b + 1], place[3 * b + 2]);
-      const double distance = (found - world_from_body[layout.bodies[b]].translation).norm();
-      if (!std::isfinite(distance)) return std::numeric_limits<double>::infinity();
-      largest = std::max(largest, distance);
-    }
-  }
-  return largest;
+    return turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3] > 0.25;
+  };
+  return largest_body_distance(robot, bodies, arrays.position, arrays.raw.frames, pose);
 }
 
 struct LayoutChoice {
@@ -106,7 +93,7 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
       joints_fit = true;
       const bool same_bodies = layout.bodies.size() == arrays.bodies;
       if (!same_bodies && !options.format) continue;
-      const double distance = same_bodies ? largest_distance(*candidate, layout, arrays) : 0.0;
+      const double distance = same_bodies ? layout_distance(*candidate, layout, arrays) : 0.0;
       if (!best || distance < best->distance) {
         best = {format, joints_among(*robot, *candidate, layout.joints), distance};
       }
@@ -203,8 +190,10 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
     TRY_ASSIGN(auto choice, choose_layout(robot, arrays, npz, options));
     arrays.raw.format = choice.format;
     arrays.raw.joint_indices = std::move(choice.joints);
+    arrays.raw.units_of_format = false;  // The bodies have confirmed them.
   } else {
     TRY(take_holosoma(npz, names, *robot, arrays.raw));
+    take_named_bodies(npz, *robot, kTrackingLayout.position, "body_names", arrays.raw);
   }
   TRY(take_contacts(npz, arrays.raw));
   return std::move(arrays.raw);

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +24,25 @@ namespace retarget {
 inline constexpr double kMinFileRate = 1e-3;
 inline constexpr double kMaxFileRate = 1e6;
 
+/// A point of a robot that may touch the floor, or that a file contains.
+struct TouchPoint {
+  int body;
+  Eigen::Vector3d place;  ///< In the body's frame, metres.
+};
+
+/// A body in a file's array of body positions.
+struct PlacedBody {
+  std::size_t column;  ///< Index of the body in the array.
+  TouchPoint point;
+};
+
+/// Positions of bodies in a file. Forward kinematics confirms the units and orders by them.
+struct BodyPlaces {
+  std::vector<PlacedBody> bodies;  ///< Bodies of the robot; empty: nothing to compare.
+  std::vector<double> positions;   ///< 3 per body of the array, for each frame.
+  bool of_root = false;            ///< Relative to the root; otherwise in the world.
+};
+
 /// A motion as stored in its file. The columns are identified; units and orders may still be
 /// unknown.
 struct RawMotion {
@@ -38,7 +60,10 @@ struct RawMotion {
   std::size_t joint_count = 0;
   std::vector<int> joint_indices;  ///< Into Robot::joints(); empty: identified by their count.
   std::optional<bool> degrees;     ///< Set if the file declares the unit.
-  std::optional<double> metres_per_unit;     ///< Set if the file declares the unit.
+  std::optional<double> metres_per_unit;  ///< Set if the file declares the unit.
+  /// Both units are those of the format, and nothing in the file states them.
+  bool units_of_format = false;
+  BodyPlaces places;
   std::optional<FootContacts> contacts;      ///< Empty if the file has none.
   std::vector<std::string> notes, warnings;  ///< As in RobotMotion.
 };
@@ -123,35 +148,45 @@ struct OrderGuess {
 /// If both fit, chooses the usual one; if none fits, returns no order.
 [[nodiscard]] OrderGuess order_of_fixed_base(const Robot& robot, const RawMotion& raw);
 
-/// A point of a robot that may touch the floor.
-struct TouchPoint {
-  int body;
-  Eigen::Vector3d place;  ///< In the body's frame, metres.
-};
-
 /// The points of the soles, or the body origins if the robot has no soles.
 [[nodiscard]] std::vector<TouchPoint> touch_points(const Robot& robot);
 
 /// Determines the units of a motion and sets RawMotion::degrees and metres_per_unit.
 ///
-/// Options take precedence, then declarations in the file. Without either, the units are radians
-/// and metres, however unusual the values are: a guess by magnitude would turn a robot on a roof
-/// into one that lies on the ground. Contrary evidence gives an error or a warning, but never
-/// another unit.
+/// Options take precedence, then declarations in the file. Without either, the units are those of
+/// the format, or radians and metres, however unusual the values are: a guess by magnitude would
+/// turn a robot on a roof into one that lies on the ground. Contrary evidence gives an error or a
+/// warning, but never another unit.
 ///
 /// @param raw  its numbers are finite and its joint_indices are known.
 /// Errors (kInput): joint positions beyond the robot's widest range (without a range: beyond four
-/// turns), a root beyond its reach.
+/// turns), a root beyond its reach (unless bodies in the world frame decide the unit).
 [[nodiscard]] Result<void> find_units(const Robot& robot, const std::string& file,
                                       const ReadMotionOptions& options, RawMotion& raw);
 
-/// Checks whether a motion with an assumed unit of length can be in metres. It runs last because it
-/// needs the quaternion order: a lying robot may be low, a standing one may not.
+/// Checks whether a motion whose file does not state the unit of length can be in metres. It runs
+/// last because it needs the quaternion order: a lying robot may be low, a standing one may not.
 ///
-/// @param warnings  receives warnings about the unit.
+/// @param raw  receives warnings about the unit.
 /// Errors (kInput): an upright root almost on the ground with feet far below it, as in a motion
 /// that is ten or a hundred times too small.
 [[nodiscard]] Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file,
-                                                std::vector<std::string>& warnings);
+                                                RawMotion& raw);
+
+/// Sets the configuration of a frame, in RobotClip's layout. Returns false if the frame has none.
+using FramePose = std::function<bool(std::size_t frame, std::span<double> qpos)>;
+
+/// The largest distance of bodies from their forward kinematics over a sample of frames, metres;
+/// infinite if a position is not finite.
+/// @param positions  as in BodyPlaces, metres.
+[[nodiscard]] double largest_body_distance(const Robot& robot, std::span<const PlacedBody> bodies,
+                                           std::span<const double> positions, std::size_t frames,
+                                           const FramePose& pose);
+
+/// Compares a motion with RawMotion::places.
+/// @param clip   the motion, from `raw` with this quaternion order.
+/// Errors (kInput): bodies are in other places; names the unit or the order that would explain them.
+[[nodiscard]] Result<void> check_body_places(const RobotClip& clip, const RawMotion& raw,
+                                             QuaternionOrder order, const std::string& file);
 
 }  // namespace retarget

@@ -64,8 +64,7 @@ class MimicKitRows {
     RawMotion raw;
     raw.format = MotionFormat::kPklMimicKit;
     raw.order = raw.usual = QuaternionOrder::kXyzw;
-    raw.metres_per_unit = 1.0;
-    raw.degrees = false;
+    set_units_of_format(raw);
     TRY_ASSIGN(const auto frames, rows_of("frames"));
     raw.frames = frames.rows;
     raw.joint_count = frames.columns - static_cast<std::size_t>(kMimicKitRoot);
@@ -179,6 +178,17 @@ Result<void> take_body_contacts(const ArraySource& file, const Robot& robot, std
   return {};
 }
 
+// Takes the bodies if there are as many as the robot has, because the file does not name them.
+void take_proto_places(const Robot& robot, TrainerArrays& arrays, RawMotion& raw) {
+  const std::vector<ProtoBody> bodies = proto_bodies(robot);
+  if (arrays.bodies != bodies.size()) return;
+  for (std::size_t column = 0; column < bodies.size(); ++column) {
+    const auto carrier = robot.find_body(bodies[column].carrier);
+    if (carrier) raw.places.bodies.push_back({column, {*carrier, bodies[column].place}});
+  }
+  raw.places.positions = std::move(arrays.position);
+}
+
 // The motion to read from a dictionary of motions.
 Result<std::string> choose_motion(const PickleDocument& document, const std::string& file,
                                   const ReadMotionOptions& options) {
@@ -233,6 +243,12 @@ Result<void> take_rate(const ArraySource& file, RawMotion& raw) {
   return {};
 }
 
+void set_units_of_format(RawMotion& raw) {
+  raw.metres_per_unit = 1.0;
+  raw.degrees = false;
+  raw.units_of_format = true;
+}
+
 Result<TrainerArrays> read_trainer_arrays(const ArraySource& file, const TrainerLayout& layout) {
   for (const std::string_view name : {layout.joints, layout.position, layout.rotation}) {
     if (file.has(name)) continue;
@@ -259,8 +275,7 @@ Result<TrainerArrays> read_trainer_arrays(const ArraySource& file, const Trainer
   raw.format = layout.format;
   raw.usual = layout.order;
   if (layout.order_known) raw.order = layout.order;
-  raw.metres_per_unit = 1.0;
-  raw.degrees = false;
+  set_units_of_format(raw);
   raw.frames = joints.shape[0];
   raw.joint_count = joints.shape[1];
   raw.joints = joints.numbers();
@@ -274,7 +289,7 @@ Result<TrainerArrays> read_trainer_arrays(const ArraySource& file, const Trainer
 }
 
 Result<RawMotion> read_pickle_motion(std::string_view bytes,
-                                     const std::shared_ptr<const Robot>& /*robot*/,
+                                     const std::shared_ptr<const Robot>& robot,
                                      const std::string& file, const ReadMotionOptions& options) {
   TRY_ASSIGN(auto document, read_pickle(bytes, file));
   const PickleNode& root = document.root();
@@ -285,6 +300,8 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes,
   if (has(kGmrLayout.position) || has(kGmrLayout.joints)) {
     const DictionaryArrays arrays(file, std::move(document), root);
     TRY_ASSIGN(auto motion, read_trainer_arrays(arrays, kGmrLayout));
+    take_named_bodies(arrays, *robot, "local_body_pos", "link_body_list", motion.raw);
+    motion.raw.places.of_root = true;
     return std::move(motion.raw);
   }
   if (has("loop_mode") && has("frames")) {
@@ -320,6 +337,7 @@ Result<RawMotion> read_protomotions(std::string_view bytes,
   // A layout lists joints in the model's order.
   const TrackingLayout layout = tracking_layout(*robot, MotionFormat::kProtoMotions);
   if (layout.joints.size() == raw.joint_count) raw.joint_indices = layout.joints;
+  take_proto_places(*robot, motion, raw);
   TRY(take_body_contacts(arrays, *robot, motion.bodies, raw));
   return raw;
 }

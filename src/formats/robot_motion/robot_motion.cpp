@@ -40,7 +40,8 @@ class MotionInterpreter {
                  joints_by_count(*robot_, raw_.joint_count, raw_, file_, options_.variant));
     }
     TRY(check_numbers());
-    const bool assumes_metres = !options_.metres_per_unit && !raw_.metres_per_unit;
+    const bool assumes_metres =
+        !options_.metres_per_unit && (!raw_.metres_per_unit || raw_.units_of_format);
     TRY(find_units(*robot_, file_, options_, raw_));
     take_euler();
     TRY(check_rotations());
@@ -52,8 +53,12 @@ class MotionInterpreter {
     take_joints(motion.clip);
     TRY_ASSIGN(const auto order, find_order(motion.clip));
     take_rotations(motion.clip, order);
+    // The user's choice of a format also serves files of other robots, whose bodies differ.
+    if (options_.format != raw_.format) {
+      TRY(check_body_places(motion.clip, raw_, order, file_));
+    }
     if (assumes_metres) {
-      TRY(check_assumed_metres(motion.clip, file_, raw_.warnings));
+      TRY(check_assumed_metres(motion.clip, file_, raw_));
     }
     motion.contacts = std::move(raw_.contacts);
     motion.notes = std::move(raw_.notes);

@@ -13,6 +13,7 @@
 #include "base/try.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "formats/robot_motion/raw_motion.h"
+#include "formats/robot_motion/trainer_arrays.h"
 #include "retarget/clip.h"
 #include "retarget/file.h"
 #include "retarget/motion.h"
@@ -113,11 +114,16 @@ std::string metadata_of(const TrackingMotion& motion, const std::vector<std::siz
       name.empty() ? "motion" : name, fmt::join(bodies, " "), motion.frames);
 }
 
-// A CSV with a header line and rows of equal length.
+// A CSV with rows of equal length, usually below a header line.
 struct NumberTable {
   std::size_t rows = 0, columns = 0;
   std::vector<double> values;
 };
+
+// SONIC's reader skips the first line of each file, but some files begin with numbers.
+bool is_sonic_header(std::string_view line) {
+  return !parse_number<double>(line.substr(0, line.find(',')));
+}
 
 Result<NumberTable> read_table(const std::string& path, std::size_t max_bytes) {
   TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kInput, max_bytes));
@@ -128,7 +134,8 @@ Result<NumberTable> read_table(const std::string& path, std::size_t max_bytes) {
     std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     if (line.ends_with('\r')) line.remove_suffix(1);
-    if (++line_number == 1 || line.empty()) continue;  // Skip the header.
+    ++line_number;
+    if (line.empty() || (line_number == 1 && is_sonic_header(line))) continue;
     std::size_t count = 0;
     for (std::size_t begin = 0; begin <= line.size(); ++count) {
       const std::size_t end = std::min(line.find(',', begin), line.size());
@@ -154,6 +161,38 @@ Result<NumberTable> read_table(const std::string& path, std::size_t max_bytes) {
     ++table.rows;
   }
   return table;
+}
+
+// Indices into the layout of the bodies in the files: those of the metadata, otherwise all bodies
+// or the tracked ones, by their number. Empty: unknown.
+std::vector<std::size_t> bodies_of_folder(const std::string& path, const Robot& robot,
+                                          const TrackingLayout& layout, std::size_t count) {
+  std::vector<std::size_t> indices;
+  constexpr std::size_t kMaxMetadata = std::size_t{1} << 20U;
+  const auto content =
+      read_file((fs::path(path) / kMetadata).string(), ErrorKind::kInput, kMaxMetadata);
+  if (content) {
+    std::string_view text = content->view();
+    text.remove_prefix(std::min(text.find('['), text.size()));
+    text = text.substr(0, text.find(']'));
+    while (!text.empty()) {
+      text.remove_prefix(std::min(text.find_first_of("0123456789"), text.size()));
+      const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+      if (const auto index = parse_number<std::size_t>(text.substr(0, end))) {
+        indices.push_back(*index);
+      }
+      text.remove_prefix(end);
+    }
+  }
+  if (indices.empty()) {
+    TrackingMotion names;
+    for (const int body : layout.bodies) names.body_names.push_back(robot.bodies()[body].name);
+    indices = tracked_bodies_of(names);
+  }
+  const bool fits = indices.size() == count && std::ranges::all_of(indices, [&](std::size_t i) {
+                      return i < layout.bodies.size();
+                    });
+  return fits ? indices : std::vector<std::size_t>();
 }
 
 }  // namespace
@@ -207,7 +246,7 @@ Result<RawMotion> read_sonic_folder(std::string_view /*bytes*/,
     return read_table((fs::path(path) / name).string(), options.max_bytes);
   };
   TRY_ASSIGN(auto joints, table("joint_pos.csv"));
-  TRY_ASSIGN(const auto places, table("body_pos.csv"));
+  TRY_ASSIGN(auto places, table("body_pos.csv"));
   TRY_ASSIGN(const auto turns, table("body_quat.csv"));
   if (joints.rows == 0) return input_failure(path, "the motion has no frames");
   if (places.rows != joints.rows || turns.rows != joints.rows || places.columns < 3 ||
@@ -225,8 +264,7 @@ Result<RawMotion> read_sonic_folder(std::string_view /*bytes*/,
   raw.format = MotionFormat::kCsvSonic;
   raw.rate = kSonicRate;
   raw.order = raw.usual = QuaternionOrder::kWxyz;
-  raw.metres_per_unit = 1.0;
-  raw.degrees = false;
+  set_units_of_format(raw);
   raw.frames = joints.rows;
   raw.joint_count = joints.columns;
   raw.joint_indices = layout.joints;
@@ -239,6 +277,13 @@ Result<RawMotion> read_sonic_folder(std::string_view /*bytes*/,
     for (std::size_t i = 0; i < 4; ++i) {
       raw.rotation.push_back(turns.values[frame * turns.columns + i]);
     }
+  }
+  if (places.columns % 3 == 0) {
+    std::size_t column = 0;
+    for (const std::size_t body : bodies_of_folder(path, *robot, layout, places.columns / 3)) {
+      raw.places.bodies.push_back({column++, {layout.bodies[body], Eigen::Vector3d::Zero()}});
+    }
+    raw.places.positions = std::move(places.values);
   }
   if (is_file(fs::path(path) / kContacts)) {
     TRY_ASSIGN(const auto flags, table(kContacts));

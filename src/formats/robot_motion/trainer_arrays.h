@@ -48,12 +48,22 @@ struct TrainerArrays {
 [[nodiscard]] Result<TrainerArrays> read_trainer_arrays(const ArraySource& file,
                                                         const TrainerLayout& layout);
 
+/// Sets radians and metres, the units of every trainer's format.
+void set_units_of_format(RawMotion& raw);
+
 /// Sets the rate of a motion to the file's `fps`, if it has one.
 [[nodiscard]] Result<void> take_rate(const ArraySource& file, RawMotion& raw);
 
 /// Reads an array of numbers with this number of dimensions.
 [[nodiscard]] Result<NpyArray> read_numbers(const ArraySource& file, std::string_view name,
                                             std::size_t dimensions);
+
+/// Takes the positions of the bodies that a file names, for check_body_places(). Takes none if the
+/// arrays are missing, are not of this kind, or name fewer than three bodies of the robot.
+/// @param positions  name of the array (frames, bodies, 3).
+/// @param names      name of the list of body names.
+void take_named_bodies(const ArraySource& file, const Robot& robot, std::string_view positions,
+                       std::string_view names, RawMotion& raw);
 
 /// A body in ProtoMotions' arrays: a body of the tracking layout, or a point fixed to one.
 struct ProtoBody {

@@ -76,6 +76,23 @@ double leg_reach_of(const Robot& robot) {
   return longest > 0.0 ? longest : reach_of(robot);
 }
 
+// Whether the bodies of a file confirm that its lengths are in metres, and where its root is.
+bool have_places_in_world(const RawMotion& raw) {
+  return !raw.places.bodies.empty() && !raw.places.of_root;
+}
+
+// How the unit of lengths or angles is known, for messages.
+std::string source_of_unit(const RawMotion& raw, const std::string& unit) {
+  return raw.units_of_format ? "the format " + std::string(format_name(raw.format)) + " has " + unit
+                             : "the file names no unit, so " + unit + " are assumed";
+}
+
+// A remedy with an option that NPZ files do not accept.
+std::string unit_hint(const RawMotion& raw, const std::string& option,
+                      const std::string& otherwise) {
+  return format_ending(raw.format) == ".npz" ? otherwise : option;
+}
+
 class UnitFinder {
  public:
   UnitFinder(const Robot& robot, const std::string& file, const ReadMotionOptions& options,
@@ -91,19 +108,23 @@ class UnitFinder {
       raw_.degrees = options_.degrees;
       return {};
     }
-    if (raw_.degrees) return {};
+    if (raw_.degrees && !raw_.units_of_format) return {};
     const double widest = widest_angle(robot_);
     // Of the values beyond the range of their own joint.
     double largest = 0.0;
-    const auto weigh = [&](double value, double allowed) {
-      if (std::abs(value) > allowed) largest = std::max(largest, std::abs(value));
+    std::size_t where = 0;
+    const auto weigh = [&](double value, double allowed, std::size_t at) {
+      if (std::abs(value) <= std::max(allowed, largest)) return;
+      largest = std::abs(value);
+      where = at;
     };
     for (std::size_t i = 0; i < raw_.joints.size(); ++i) {
       const std::size_t column = i % raw_.joint_count;
       if (!is_hinge(column)) continue;
-      weigh(raw_.joints[i], has_range(column) ? widest + kBeyondRange : kTurnsOfUnlimited);
+      weigh(raw_.joints[i], has_range(column) ? widest + kBeyondRange : kTurnsOfUnlimited, i);
     }
-    for (const double angle : raw_.euler) weigh(angle, widest + kBeyondRange);
+    for (const double angle : raw_.euler) weigh(angle, widest + kBeyondRange, 0);
+    if (largest > 0.0 && raw_.units_of_format) return joint_beyond_format(where, widest);
     if (largest > 0.0) {
       return input_failure(
           file_,
@@ -112,7 +133,8 @@ class UnitFinder {
               number_text(widest, 2) + " rad, and the file names no unit",
           "choose with " OPTION("source-angles") " rad or " OPTION("source-angles") " deg");
     }
-    doubt_radians();
+    // Bodies confirm or refute the unit.
+    if (raw_.places.bodies.empty()) doubt_radians();
     return {};
   }
 
@@ -125,16 +147,30 @@ class UnitFinder {
       raw_.metres_per_unit = options_.metres_per_unit;
       return {};
     }
-    if (raw_.metres_per_unit) return {};
+    if (raw_.metres_per_unit && (!raw_.units_of_format || have_places_in_world(raw_))) return {};
     if (robot_.fixed_base() && is_at_fixed_base()) {
       raw_.metres_per_unit = 1.0;
       return {};
     }
     double highest = 0.0;
+    std::size_t highest_frame = 0;
     for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
-      highest = std::max(highest, std::abs(raw_.position[3 * frame + 2]));
+      const double height = std::abs(raw_.position[3 * frame + 2]);
+      if (height > highest) highest_frame = frame;
+      highest = std::max(highest, height);
     }
     const double reach = reach_of(robot_);
+    if (highest > kMaxReaches * reach && raw_.units_of_format) {
+      return input_failure(file_,
+                           "the root is " + number_text(highest, 2) + " m high in frame " +
+                               std::to_string(highest_frame) + ", but the robot's limbs reach " +
+                               number_text(reach, 2) + " m, and " + source_of_unit(raw_, "metres") +
+                               ": is it in centimetres or millimetres?",
+                           unit_hint(raw_,
+                                     OPTION("source-unit") " cm or mm reads these, " OPTION(
+                                         "source-unit") " m confirms metres",
+                                     "convert the positions to metres first"));
+    }
     if (highest > kMaxReaches * reach) {
       return input_failure(file_,
                            "the root is up to " + number_text(highest, 2) +
@@ -156,6 +192,27 @@ class UnitFinder {
       if (std::abs(raw_.position[i] - zero[i % 3]) > kSame) return false;
     }
     return true;
+  }
+
+  // The error for a file that contradicts its format.
+  // @param where  index of the value in RawMotion::joints.
+  [[nodiscard]] Failure joint_beyond_format(std::size_t where, double widest) const {
+    const std::size_t column = where % raw_.joint_count;
+    const auto joint = static_cast<std::size_t>(raw_.joint_indices[column]);
+    const LimitSet& limits = robot_.model_limits();
+    const std::string reach = has_range(column)
+                                  ? "it turns from " + number_text(limits.lower[joint], 2) +
+                                        " to " + number_text(limits.upper[joint], 2) + " rad"
+                                  : "the robot's joints reach " + number_text(widest, 2) + " rad";
+    return input_failure(file_,
+                         robot_.joints()[joint].name + " is " + number_text(raw_.joints[where], 3) +
+                             " in frame " + std::to_string(where / raw_.joint_count) + ", but " +
+                             reach + ", and " + source_of_unit(raw_, "radians") +
+                             ": are these degrees?",
+                         unit_hint(raw_,
+                                   OPTION("source-angles") " deg reads degrees, " OPTION(
+                                       "source-angles") " rad confirms radians",
+                                   "convert the joints to radians first"));
   }
 
   // Small motions in degrees may pass for large ones in radians; warn about values beyond a joint's
@@ -184,9 +241,9 @@ class UnitFinder {
     raw_.warnings.push_back(
         "joints are beyond their ranges by more than " + number_text(kBeyondRange, 1) + " rad in " +
         number_text(100.0 * static_cast<double>(beyond) / static_cast<double>(raw_.frames), 0) +
-        " % of frames, most " + robot_.joints()[joint].name +
-        "; the file names no unit, so radians are assumed: " OPTION(
-            "source-angles") " deg selects degrees");
+        " % of frames, most " + robot_.joints()[joint].name + "; " +
+        source_of_unit(raw_, "radians") +
+        unit_hint(raw_, ": " OPTION("source-angles") " deg selects degrees", ""));
   }
 
   void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
@@ -279,14 +336,12 @@ Result<void> find_units(const Robot& robot, const std::string& file,
   return finder.find_length_unit();
 }
 
-Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file,
-                                  std::vector<std::string>& warnings) {
+Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file, RawMotion& raw) {
   // The height of a fixed base comes from the model and does not indicate the unit.
-  if (clip.frame_count() == 0 || clip.robot().fixed_base()) return {};
+  if (clip.frame_count() == 0 || clip.robot().fixed_base() || have_places_in_world(raw)) return {};
   const auto doubt = [&](const std::string& what, const std::string& remedy) {
-    warnings.push_back(
-        what + "; the file names no unit, so metres are assumed: " OPTION("source-unit") " " +
-        remedy);
+    raw.warnings.push_back(what + "; " + source_of_unit(raw, "metres") +
+                           unit_hint(raw, ": " OPTION("source-unit") " " + remedy, ""));
   };
   const double reach = leg_reach_of(clip.robot());
   const std::vector<UprightFrame> frames = upright_frames(clip);
@@ -300,8 +355,11 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
                              " m high, but the robot's legs reach " + number_text(reach, 2) + " m";
     if (low && height < kMinUprightReaches * reach) {
       return input_failure(file, what + "; lengths may not be in metres",
-                           "to confirm, use " OPTION("source-unit")
-                           " m; else convert the positions to metres, centimetres or millimetres first");
+                           unit_hint(raw,
+                                     "to confirm, use " OPTION(
+                                         "source-unit") " m; else convert the positions to metres, "
+                                                        "centimetres or millimetres first",
+                                     "convert the positions to metres first"));
     }
     if (low) doubt(what, "m confirms it");
   }

@@ -75,38 +75,6 @@ std::optional<Eigen::Affine3d> usable_bind(const Eigen::Affine3d& affine) {
   return affine;
 }
 
-namespace {
-
-constexpr double kMinRate = 12.0, kMaxRate = 1000.0;
-constexpr std::size_t kMinKeys = 3;
-// Seconds; files store times as floats or in ticks.
-constexpr double kEqual = 2e-5;
-// In frames.
-constexpr double kMaxOff = 0.02;
-
-}  // namespace
-
-std::optional<double> rate_of_keys(std::vector<double> times) {
-  std::erase_if(times, [](double time) { return !std::isfinite(time); });
-  std::ranges::sort(times);
-  const auto same = [](double a, double b) { return b - a < kEqual; };
-  times.erase(std::unique(times.begin(), times.end(), same), times.end());
-  if (times.size() < kMinKeys) return std::nullopt;
-  double gap = times[1] - times[0];
-  for (std::size_t i = 2; i < times.size(); ++i) gap = std::min(gap, times[i] - times[i - 1]);
-  // Refine the rate of the smallest gap over the whole duration.
-  const double length = times.back() - times.front();
-  const double frames = std::round(length / gap);
-  if (!(frames >= 1.0) || frames > 1e8) return std::nullopt;
-  const double rate = frames / length;
-  if (rate < kMinRate || rate > kMaxRate) return std::nullopt;
-  for (const double time : times) {
-    const double frame = (time - times.front()) * rate;
-    if (std::abs(frame - std::round(frame)) > kMaxOff) return std::nullopt;
-  }
-  return rate;
-}
-
 std::size_t ClipBuilder::frame_bytes(std::size_t joints) {
   // Once in this object and once in the clip.
   return 2 * joints * (sizeof(Eigen::Quaterniond) + sizeof(Eigen::Vector3d));

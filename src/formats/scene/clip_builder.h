@@ -41,13 +41,6 @@ struct NodePlace {
 /// The bind pose if it is usable: finite, non-degenerate, not mirrored.
 [[nodiscard]] std::optional<Eigen::Affine3d> usable_bind(const Eigen::Affine3d& affine);
 
-/// Infers the frame rate in Hz of evenly spaced keys: the rate at which each key falls on a frame.
-///
-/// Keys that an exporter omitted because nothing changes do not matter. Rates below 12 or above
-/// 1000 Hz are rejected: keys set by hand every half second are not frames.
-/// @param times  seconds, in any order, with or without duplicates.
-[[nodiscard]] std::optional<double> rate_of_keys(std::vector<double> times);
-
 /// A joint of a skeleton, given by its world pose in the rest pose.
 struct WorldJoint {
   std::string name;

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/try.h"
 #include "formats/scene/clip_builder.h"
+#include "formats/scene/fbx_braces.h"
 #include "motion/clip.h"
 #include "retarget/text.h"
 
@@ -135,6 +137,17 @@ SceneTake take_of(const ufbx_anim_stack& stack, std::size_t node_count) {
   return take;
 }
 
+// The node of a curve of a take whose keys do not ascend; nothing if all do.
+const ufbx_node* unsorted_node(const ufbx_scene& file, const ufbx_anim_stack& stack) {
+  const ufbx_node* found = nullptr;
+  for_each_curve(stack, [&](int node, const ufbx_anim_curve& curve) {
+    if (!std::ranges::is_sorted(curve.keyframes, {}, &ufbx_keyframe::time)) {
+      found = file.nodes.data[static_cast<std::size_t>(node)];
+    }
+  });
+  return found;
+}
+
 // Pre- and post-rotation of a limb, if they are active.
 Eigen::Quaterniond unturned(const ufbx_node& node) {
   if (!ufbx_find_bool(&node.props, "RotationActive", false)) {
@@ -223,6 +236,7 @@ Failure load_failure(const ufbx_error& error, const std::string& file_name) {
 Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name,
                             std::size_t max_bytes) {
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  if (!bytes.starts_with("Kaydara FBX Binary")) TRY(check_fbx_text(bytes, file_name));
   const ufbx_load_opts options = load_options(bytes.size(), max_bytes);
   ufbx_error error;
   FbxFile file(ufbx_load_memory(bytes.data(), bytes.size(), &options, &error));
@@ -238,6 +252,11 @@ Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name
   }
   add_bind_poses(*file, scene);
   for (const ufbx_anim_stack* stack : file->anim_stacks) {
+    if (const ufbx_node* node = unsorted_node(*file, *stack)) {
+      return input_failure(
+          file_name, "the key times of \"" + printable(fbx_text(node->name)) + "\" do not ascend",
+          "the file may be damaged: export it again");
+    }
     scene.takes.push_back(take_of(*stack, scene.nodes.size()));
   }
   const ufbx_scene_settings& settings = file->settings;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "base/json.h"
@@ -150,6 +151,7 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
     return document.fault("an animation has no channels or no samplers");
   }
   Channels found;
+  std::set<std::pair<int, GltfPath>> targets;
   for (const GltfJson& channel : *channels) {
     const GltfJson* target = gltf_member(channel, "target");
     if (target == nullptr) return document.fault("an animation channel has no target");
@@ -161,8 +163,12 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
     if (index >= scene_nodes.size() || sampler >= samplers->size()) {
       return document.fault("an animation channel refers to a missing node or sampler");
     }
-    TRY_ASSIGN(GltfTrack track, read_track(document, (*samplers)[sampler], *path));
     const int place = scene_nodes[index];
+    if (!targets.emplace(place, *path).second) {
+      return document.fault("two channels of an animation move the " +
+                            text_member(*target, "path", "") + " of node " + std::to_string(index));
+    }
+    TRY_ASSIGN(GltfTrack track, read_track(document, (*samplers)[sampler], *path));
     const auto node_place = static_cast<std::size_t>(place);
     take.begin = std::min(take.begin, track.times->front());
     take.end = std::max(take.end, track.times->back());

@@ -43,6 +43,18 @@ NodeTransform rest_of(const GltfJson& node) {
   return rest;
 }
 
+// Beginnings of the names of extensions that change only meshes, textures, lights and metadata, or
+// name bones. Compressed numbers are rejected where they are read.
+constexpr std::string_view kHarmless[] = {
+    "EXT_lights_", "EXT_mesh",       "EXT_texture_",  "KHR_draco_mesh_compression",
+    "KHR_lights_", "KHR_materials_", "KHR_mesh",      "KHR_texture_",
+    "KHR_xmp",     "MSFT_packing_",  "MSFT_texture_", "VRM"};
+
+bool is_harmless(const std::string& extension) {
+  return std::ranges::any_of(kHarmless,
+                             [&](std::string_view start) { return extension.starts_with(start); });
+}
+
 // Builds a scene from a document.
 class GltfReader {
  public:
@@ -51,6 +63,9 @@ class GltfReader {
   Result<SceneGraph> read() {
     scene_.format = "glTF";
     scene_.up = Eigen::Vector3d::UnitY();
+    TRY(check_not_of_robot());
+    TRY(check_version());
+    TRY(check_extensions());
     TRY(find_parents());
     TRY(add_nodes());
     TRY(add_skins());
@@ -73,6 +88,43 @@ class GltfReader {
   }
 
  private:
+  // retarget marks the files that it writes of robots, whose bodies are not a skeleton to retarget.
+  Result<void> check_not_of_robot() const {
+    const GltfJson* asset = gltf_member(document_.json(), "asset");
+    const GltfJson* extras = asset == nullptr ? nullptr : gltf_member(*asset, "extras");
+    const GltfJson* robot = extras == nullptr ? nullptr : gltf_member(*extras, "robot");
+    if (robot == nullptr || !robot->is_string()) return {};
+    return input_failure(document_.file_name(),
+                         "the file shows the robot " + printable(robot->get<std::string>()) +
+                             " and is not a human motion",
+                         "give the motion file that it was made from, such as walk.csv");
+  }
+
+  // Files of some programs lack the version.
+  Result<void> check_version() const {
+    const GltfJson* asset = gltf_member(document_.json(), "asset");
+    const GltfJson* version = asset == nullptr ? nullptr : gltf_member(*asset, "version");
+    if (version == nullptr) return {};
+    const std::string text = version->is_string() ? version->get<std::string>() : version->dump();
+    if (text == "2" || text.starts_with("2.")) return {};
+    return document_.fault("expected version 2, found version " + printable(text),
+                           "convert it to glTF 2.0, or import it in Blender and export it as GLB");
+  }
+
+  // A required extension may change how nodes and animations are read.
+  Result<void> check_extensions() const {
+    std::vector<std::string> unknown;
+    for (const GltfJson& each : document_.list("extensionsRequired")) {
+      const std::string name = each.is_string() ? each.get<std::string>() : each.dump();
+      if (!is_harmless(name)) unknown.push_back(printable(name));
+    }
+    if (unknown.empty()) return {};
+    return document_.fault(
+        "it requires " + std::string(unknown.size() == 1 ? "the extension " : "the extensions ") +
+            list_names(unknown, 8) + ", which retarget does not read",
+        "export it without " + std::string(unknown.size() == 1 ? "it" : "them"));
+  }
+
   Result<void> find_parents() {
     const GltfJson& nodes = document_.list("nodes");
     parent_.assign(nodes.size(), -1);

@@ -15,6 +15,7 @@
 #include "base/parse_xml.h"
 #include "base/try.h"
 #include "formats/scene/clip_builder.h"
+#include "formats/scene/mvnx_clock.h"
 #include "motion/clip.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
@@ -210,8 +211,31 @@ class MvnxReader {
     return frame_rate_from_fps(*fps);
   }
 
+  // Rejects frames that are not even or have another rate than the file states. With a requested
+  // rate, missing frames are a warning.
+  Result<void> check_clock(const FrameRate& rate) {
+    std::vector<MvnxStamp> stamps;
+    for (const XMLElement* frame : frames_) {
+      stamps.push_back({parse_number<double>(attribute_of(frame, "time")),
+                        parse_number<double>(attribute_of(frame, "index")),
+                        static_cast<std::size_t>(frame->GetLineNum())});
+    }
+    const bool is_requested = options_.source_fps.has_value();
+    auto found = mvnx_clock_fault(stamps, is_requested ? std::nullopt : std::optional(rate.fps()));
+    if (!found) return {};
+    if (is_requested) {
+      warnings_.push_back({found->line, 0, found->message + "; this is ignored"});
+      return {};
+    }
+    Error error{ErrorKind::kInput, {file_name_, found->line, 0}, {}, {}, {}};
+    error.message = std::move(found->message);
+    error.hint = OPTION("source-fps") " N reads the frames as even, N per second";
+    return failure(std::move(error));
+  }
+
   Result<Clip> make_clip(const XMLElement& subject, std::size_t file_bytes) {
     TRY_ASSIGN(const FrameRate rate, rate_of(subject));
+    TRY(check_clock(rate));
     TRY_ASSIGN(auto joints, rest_joints());
     const std::size_t most = options_.max_clip_bytes / ClipBuilder::frame_bytes(joints.size());
     if (frames_.size() > std::min<std::size_t>(most, std::numeric_limits<int>::max())) {

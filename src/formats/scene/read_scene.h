@@ -13,8 +13,8 @@
 namespace retarget {
 
 struct SceneReadOptions {
-  std::string take;                  ///< Name, or number from 1; empty: the longest with motion.
-  std::string root;                  ///< Root of one of several skeletons; empty: the moving one.
+  std::string take;  ///< Name, or number from 1; empty: the longest with motion.
+  std::string root;  ///< Root of one of several skeletons, or its number; empty: the moving one.
   std::optional<double> source_fps;  ///< Sampling rate in Hz; default: the rate of the keys.
   bool skeleton_only = false;  ///< Read a file without animation as a skeleton without frames.
   std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();

@@ -12,6 +12,7 @@
 #include "formats/containers/file_kind.h"
 #include "formats/scene/clip_builder.h"
 #include "formats/scene/scene_skeleton.h"
+#include "formats/scene/scene_times.h"
 #include "motion/clip.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
@@ -48,25 +49,15 @@ bool is_t_pose(const std::vector<WorldJoint>& joints) {
   return both_sides >= 2 && straight >= kMostBones * all;
 }
 
-constexpr double kDefaultRate = 30.0;
 // Limits on the memory of a clip, because a few keys may span hours.
 constexpr std::size_t kFreeClipBytes = std::size_t{256} << 20U;
 constexpr std::size_t kMaxBytesOfFile = 256;
 // Ratio of scales.
 constexpr double kUneven = 1.01;
-// Limit on the sampling rate relative to the keys: some programs write an arbitrary clock as the
-// rate.
-constexpr double kMaxRateRatio = 4.01;
 // A body with fingers, face and helpers has a few hundred.
 constexpr std::size_t kMaxJoints = 5000;
-// glTF stores key times as floats: tolerance in seconds and relative to the time.
-constexpr double kSameTime = 2e-6, kRounding = 1.2e-7;
-
-// Sampling rate and the reason for it.
-struct Sampling {
-  FrameRate rate;
-  std::string reason;
-};
+// Frames of each other take in which to search for the rest pose: an hour at 30 fps.
+constexpr int kMaxSearchedFrames = 108'000;
 
 class SceneSampler {
  public:
@@ -78,9 +69,7 @@ class SceneSampler {
     TRY_ASSIGN(SceneMotionChoice choice, choose_motion(scene_, options_.take, options_.root,
                                                        options_.skeleton_only, file_name_));
     take_ = choice.take;
-    begin_ = choice.begin;
-    end_ = choice.end;
-    skeleton_ = std::move(choice.skeleton);
+    skeleton_ = choice.skeleton;
     if (take_ >= 0 && !choice.moves && !options_.skeleton_only) warn_of_still_take();
     if (options_.root.empty() && !options_.skeleton_only) warn_of_other_actors();
     if (skeleton_.joints.size() > kMaxJoints) {
@@ -99,15 +88,17 @@ class SceneSampler {
     }
     mark_chain();
     TRY(check_scale());
-    const Sampling sampling = choose_sampling();
-    TRY_ASSIGN(const int frames, count_frames(sampling.rate, file_bytes));
-    ClipBuilder builder(rest_joints(rests_in_motion(sampling.rate, frames)), sampling.rate, frames);
+    const SceneTimes times(scene_, choice, in_chain_, options_.source_fps);
+    TRY(times.check(file_name_));
+    TRY_ASSIGN(const int frames, count_frames(times, choice, file_bytes));
+    for (Warning& warning : times.warnings()) warnings_.push_back(std::move(warning));
+    ClipBuilder builder(rest_joints(rests_in_motion(times, frames)), times.rate(), frames);
     for (int frame = 0; frame < frames; ++frame) {
-      TRY(place_nodes(frame, sampling.rate));
+      TRY(place_nodes(frame, times.seconds_of(frame)));
       builder.set_frame(frame, joint_poses());
     }
     Clip clip = builder.build();
-    clip.set_origin(origin(sampling, file_bytes));
+    clip.set_origin(origin(times, file_bytes));
     return clip;
   }
 
@@ -166,70 +157,30 @@ class SceneSampler {
     return {};
   }
 
-  Sampling choose_sampling() {
-    if (take_ >= 0) keys_ = scene_.motion->key_times(take_, in_chain_);
-    std::erase_if(keys_, [](double time) { return !std::isfinite(time); });
-    std::ranges::sort(keys_);
-    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
-    if (options_.source_fps) {
-      const FrameRate rate = frame_rate_from_fps(*options_.source_fps);
-      return {rate, "set by " OPTION("source-fps")};
-    }
-    const auto keys = rate_of_keys(keys_);
-    const double ratio = keys ? scene_.fps / *keys : 0.0;
-    if (scene_.fps > 0.0 && (!keys || (ratio > 0.99 && ratio < kMaxRateRatio &&
-                                       std::abs(ratio - std::round(ratio)) < 1e-3))) {
-      return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
-    }
-    if (keys) return {frame_rate_from_fps(*keys), "from the key spacing"};
-    if (keys_.size() < 3) {
-      return {frame_rate_from_fps(kDefaultRate), "too few keys to determine a rate"};
-    }
-    return {frame_rate_from_fps(kDefaultRate),
-            "its keys are not evenly spaced: " OPTION("source-fps") " N sets another rate"};
-  }
-
-  Result<int> count_frames(const FrameRate& rate, std::size_t file_bytes) const {
+  Result<int> count_frames(const SceneTimes& times, const SceneMotionChoice& choice,
+                           std::size_t file_bytes) const {
     if (take_ < 0) return 0;
-    const double length = end_ - begin_;
-    const double frames = std::floor(length * rate.fps() + 1e-3) + 1.0;
+    const double frames = times.frame_count();
     const std::size_t frame_bytes = ClipBuilder::frame_bytes(chain_.size());
     const double by_file = static_cast<double>(kFreeClipBytes) +
                            static_cast<double>(kMaxBytesOfFile) * static_cast<double>(file_bytes);
     const double most = std::min(static_cast<double>(options_.max_clip_bytes), by_file);
     if (!(frames * static_cast<double>(frame_bytes) <= most) || frames > 1e9) {
+      const std::string hint = times.far_key_hint();
       return input_failure(file_name_,
                            fmt::format("the animation lasts {:.6g} s: its frames exceed the memory "
                                        "limit for this file size",
-                                       length),
-                           far_key_hint());
+                                       choice.end - choice.begin),
+                           hint.empty() ? kLargeFileHint : hint);
     }
     return static_cast<int>(frames);
   }
 
-  // A key far from all others is usually a mistake.
-  std::string far_key_hint() const {
-    double gap = 0.0, before = 0.0, after = 0.0;
-    for (std::size_t i = 1; i < keys_.size(); ++i) {
-      if (keys_[i] - keys_[i - 1] <= gap) continue;
-      before = keys_[i - 1];
-      after = keys_[i];
-      gap = after - before;
-    }
-    if (keys_.size() > 2 && gap > 0.5 * (end_ - begin_)) {
-      return fmt::format(
-          "there are no keys between {:.6g} s and {:.6g} s: remove stray keys before the "
-          "export, or export only the required frame range",
-          before, after);
-    }
-    return kLargeFileHint;
-  }
-
   // Whether to use zero angles as the zero pose. Without a skin that defines the bind pose, some
   // programs write the frame shown at export as the rest pose. This is the case if the rest pose
-  // occurs in the motion.
-  bool rests_in_motion(const FrameRate& rate, int frames) const {
-    constexpr double kSame = 0.99999;  // Cosine of half of half a degree.
+  // occurs in the motion. It may be a frame of another take, because all takes of a file have one
+  // rest pose.
+  bool rests_in_motion(const SceneTimes& times, int frames) const {
     const auto is_bound = [&](int joint) {
       return scene_.nodes[as_size(joint)].world_from_bind.has_value();
     };
@@ -239,22 +190,39 @@ class SceneSampler {
       return false;
     }
     for (int frame = 0; frame < frames; ++frame) {
-      const double seconds = seconds_of(frame, rate);
-      const bool is_same = std::ranges::all_of(skeleton_.joints, [&](int joint) {
-        const Eigen::Quaterniond now = scene_.motion->at(take_, joint, seconds).rotation;
-        return std::abs(now.dot(scene_.nodes[as_size(joint)].rest.rotation)) > kSame;
-      });
-      if (is_same) return true;
+      if (rests_at(take_, times.seconds_of(frame))) return true;
+    }
+    for (int take = 0; take < static_cast<int>(scene_.takes.size()); ++take) {
+      if (take != take_ && rests_in(take)) return true;
     }
     return false;
   }
 
-  // Time of a frame, snapped to a key within rounding, so that steps are sampled at their key.
-  double seconds_of(int frame, const FrameRate& rate) const {
-    const double seconds = std::min(begin_ + rate.time_of(frame), end_);
-    const double tolerance = kSameTime + kRounding * std::abs(seconds);
-    const auto key = std::ranges::lower_bound(keys_, seconds - tolerance);
-    return key != keys_.end() && *key <= seconds + tolerance ? *key : seconds;
+  // Whether all joints are at rest at a time.
+  bool rests_at(int take, double seconds) const {
+    constexpr double kSame = 0.99999;  // Cosine of half of half a degree.
+    return std::ranges::all_of(skeleton_.joints, [&](int joint) {
+      const Eigen::Quaterniond now = scene_.motion->at(take, joint, seconds).rotation;
+      return std::abs(now.dot(scene_.nodes[as_size(joint)].rest.rotation)) > kSame;
+    });
+  }
+
+  // Whether a frame of another take that moves the skeleton is the rest pose. A take that holds a
+  // reference pose does not count.
+  bool rests_in(int take) const {
+    const std::vector<bool>& moves = scene_.takes[as_size(take)].moves;
+    const bool is_moving =
+        std::ranges::any_of(skeleton_.joints, [&](int joint) { return moves[as_size(joint)]; });
+    if (!is_moving) return false;
+    SceneMotionChoice other;
+    other.take = take;
+    set_extent(scene_, in_chain_, other);
+    const SceneTimes times(scene_, other, in_chain_, options_.source_fps);
+    const int frames = static_cast<int>(std::min<double>(times.frame_count(), kMaxSearchedFrames));
+    for (int frame = 0; frame < frames; ++frame) {
+      if (rests_at(take, times.seconds_of(frame))) return true;
+    }
+    return false;
   }
 
   // Rest poses: world_from_bind if there is one, otherwise the rest transform below the parent.
@@ -281,8 +249,7 @@ class SceneSampler {
     return joints;
   }
 
-  Result<void> place_nodes(int frame, const FrameRate& rate) {
-    const double seconds = seconds_of(frame, rate);
+  Result<void> place_nodes(int frame, double seconds) {
     places_.resize(scene_.nodes.size());
     for (const int node : chain_) {
       const NodeTransform local = scene_.motion->at(take_, node, seconds);
@@ -325,7 +292,7 @@ class SceneSampler {
     return poses;
   }
 
-  ClipOrigin origin(const Sampling& sampling, std::size_t file_bytes) const {
+  ClipOrigin origin(const SceneTimes& times, std::size_t file_bytes) const {
     ClipOrigin origin;
     origin.name = file_name_;
     origin.bytes = file_bytes;
@@ -346,7 +313,7 @@ class SceneSampler {
                                     skeleton_.others.size() + 1);
     }
     if (take_ >= 0) {
-      origin.choices += fmt::format(", {} fps: {}", to_text(sampling.rate), sampling.reason);
+      origin.choices += fmt::format(", {} fps: {}", to_text(times.rate()), times.reason());
     }
     return origin;
   }
@@ -355,10 +322,8 @@ class SceneSampler {
   const std::string& file_name_;
   const SceneReadOptions& options_;
   int take_ = -1;
-  double begin_ = 0.0, end_ = 0.0;  // Interval of the take, seconds.
   SceneSkeleton skeleton_;
-  std::vector<int> chain_;    // Nodes that affect the joints' positions, parents first.
-  std::vector<double> keys_;  // Times of the chain's keys, ascending.
+  std::vector<int> chain_;  // Nodes that affect the joints' positions, parents first.
   std::vector<bool> in_chain_, has_joints_below_;  // By node.
   std::vector<NodePlace> places_;                  // In the current frame.
   std::vector<double> sizes_;                      // In the first frame.

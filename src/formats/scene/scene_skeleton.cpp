@@ -147,6 +147,37 @@ std::string name_unlike(const SceneGraph& scene, int root, int other) {
   return scene.nodes[as_size(root)].name;
 }
 
+// The root of a skeleton given by its number from 1; -1 if there is none.
+int numbered_root(const std::string& text, const std::vector<int>& roots) {
+  const auto number = parse_number<std::size_t>(text);
+  return number && *number >= 1 && *number <= roots.size() ? roots[*number - 1] : -1;
+}
+
+// How to choose between skeletons: by names, or by their numbers if names do not distinguish them.
+std::string choice_hint(const SceneGraph& scene, const std::vector<int>& rivals,
+                        const std::vector<int>& roots) {
+  std::vector<std::string> names, numbers;
+  std::set<std::string> different;
+  for (const int rival : rivals) {
+    std::string name = scene.nodes[as_size(rival)].name;
+    for (const int other : rivals) {
+      if (other != rival && scene.nodes[as_size(other)].name == name) {
+        name = name_unlike(scene, rival, other);
+        break;
+      }
+    }
+    names.push_back("\"" + printable(name) + "\"");
+    different.insert(std::move(name));
+    const auto number = std::ranges::find(roots, rival) - roots.begin() + 1;
+    numbers.push_back(std::to_string(number));
+  }
+  if (different.size() == rivals.size()) {
+    return "choose one of them with " OPTION("root") " NAME: " + list_names(names, 8);
+  }
+  return "their names are equal: choose one with " OPTION("root") " NUMBER: " +
+         list_names(numbers, 8);
+}
+
 bool is_larger(const Candidate& a, const Candidate& b) {
   return a.moving != b.moving ? a.moving > b.moving
                               : a.skeleton.joints.size() > b.skeleton.joints.size();
@@ -166,7 +197,12 @@ Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take, const s
   const std::vector<std::string> names = root_names(scene, candidates);
   const std::vector<int> roots = body_roots(candidates);
   if (!root.empty()) {
-    std::erase_if(candidates, [&](const Candidate& each) { return !is_below(scene, each, root); });
+    const int numbered = numbered_root(root, roots);
+    const bool is_name = std::ranges::any_of(
+        candidates, [&](const Candidate& each) { return is_below(scene, each, root); });
+    std::erase_if(candidates, [&](const Candidate& each) {
+      return is_name ? !is_below(scene, each, root) : each.skeleton.joints.front() != numbered;
+    });
     if (candidates.empty()) {
       return usage_failure("expected a skeleton \"" + root + "\" (" OPTION("root") "), found " +
                            (names.empty() ? "no skeleton of human size" : list_names(names, 8)));
@@ -182,7 +218,7 @@ Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take, const s
     return input_failure(file_name,
                          fmt::format("the {} file has {} possible skeletons: {}", scene.format,
                                      rivals, list_names(root_names(scene, candidates), 8)),
-                         "choose one of them with " OPTION("root") " NAME");
+                         choice_hint(scene, body_roots(candidates), roots));
   }
   SceneSkeleton chosen = std::move(best->skeleton);
   for (std::size_t i = 0; i < roots.size(); ++i) {
@@ -228,6 +264,22 @@ std::vector<bool> nodes_of_chain(const SceneGraph& scene, const SceneSkeleton& s
   return marks;
 }
 
+void set_extent(const SceneGraph& scene, const std::vector<bool>& chain,
+                SceneMotionChoice& choice) {
+  const SceneTake& take = scene.takes[as_size(choice.take)];
+  std::vector<double> times = scene.motion->key_times(choice.take, chain);
+  std::erase_if(times, [](double time) { return !std::isfinite(time); });
+  if (times.empty()) return;
+  const auto [first, last] = std::ranges::minmax(times);
+  choice.begin = first;
+  choice.end = last;
+  const double begin = std::max(first, take.begin), end = std::min(last, take.end);
+  if (begin < end) {
+    choice.begin = begin;
+    choice.end = end;
+  }
+}
+
 namespace {
 
 bool any_of_both(const Marks& a, const Marks& b) {
@@ -245,22 +297,6 @@ struct TakeUse {
   [[nodiscard]] bool moves() const { return has_keys && (!choice || choice->moves); }
   [[nodiscard]] double length() const { return choice ? choice->end - choice->begin : 0.0; }
 };
-
-// Sets the interval from the first to the last key of the chain, clipped to the take.
-void set_extent(const SceneGraph& scene, const Marks& chain, SceneMotionChoice& choice) {
-  const SceneTake& take = scene.takes[as_size(choice.take)];
-  std::vector<double> times = scene.motion->key_times(choice.take, chain);
-  std::erase_if(times, [](double time) { return !std::isfinite(time); });
-  if (times.empty()) return;
-  const auto [first, last] = std::ranges::minmax(times);
-  choice.begin = first;
-  choice.end = last;
-  const double begin = std::max(first, take.begin), end = std::min(last, take.end);
-  if (begin < end) {
-    choice.begin = begin;
-    choice.end = end;
-  }
-}
 
 TakeUse use_of(const SceneGraph& scene, int take, const std::string& root,
                const std::string& file_name) {

@@ -23,7 +23,8 @@ struct SceneSkeleton {
 /// joints is chosen.
 ///
 /// @param take  -1: none; the choice depends on size alone.
-/// @param root  name of the root or of a node above it; empty: none.
+/// @param root  name of the root or of a node above it; if no node has it, the number of a skeleton
+///     of a body's size, from 1; empty: none.
 /// @return kInput errors: no joints; several skeletons without a clear choice. kUsage: no skeleton
 ///     of that name.
 [[nodiscard]] Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take,
@@ -50,6 +51,9 @@ struct SceneMotionChoice {
                                   ///< skeleton.
   bool moves = false;             ///< Whether the keys differ.
 };
+
+/// Sets the interval of a choice from the first to the last key of the chain, clipped to the take.
+void set_extent(const SceneGraph& scene, const std::vector<bool>& chain, SceneMotionChoice& choice);
 
 /// Chooses a take by name or number (from 1) and the matching skeleton. Without a take, chooses the
 /// longest one in which the skeleton moves; of equally long ones the first.

@@ -25,6 +25,9 @@ constexpr std::array kNames = {"joint_names", "names"};
 
 constexpr std::size_t kHumanMlJoints = 22, kClimbJoints = 53, kKimodoRobotJoints = 34;
 
+// Of joint_orders().
+constexpr std::string_view kHumanMlOrder = "SMPL";
+
 const char* places_of(const ArraySource& file) {
   const auto* found = std::ranges::find_if(kPlaces, [&](const char* n) { return file.has(n); });
   return found == kPlaces.end() ? nullptr : *found;
@@ -100,6 +103,7 @@ class PlacesReader {
       TRY_ASSIGN(const auto array, file_.read(name));
       if (!array.is_text() || array.shape.size() != 1) continue;
       motion_.names = array.texts();
+      has_own_names_ = true;
       return {};
     }
     return {};
@@ -263,6 +267,7 @@ class PlacesReader {
   struct UsualRate {
     double fps;
     const char* kind;
+    std::string_view order = {};  // Empty: any joint order.
   };
   [[nodiscard]] std::optional<UsualRate> usual_rate() const {
     if (is_kimodo(file_)) return UsualRate{30.0, "Kimodo's motions have"};
@@ -271,7 +276,9 @@ class PlacesReader {
     if (std::string_view(name_) == kOfHolosoma) {
       return UsualRate{30.0, "holosoma's scripts write"};
     }
-    if (layout_.joints == kHumanMlJoints) return UsualRate{20.0, "HumanML3D and MDM have"};
+    if (layout_.joints == kHumanMlJoints && !has_own_names_) {
+      return UsualRate{20.0, "HumanML3D and MDM have", kHumanMlOrder};
+    }
     return std::nullopt;
   }
 
@@ -284,6 +291,7 @@ class PlacesReader {
     const auto usual = usual_rate();
     if (!usual) return no_motion_rate(file_);
     motion_.rate = frame_rate_from_fps(usual->fps);
+    motion_.order_of_rate = usual->order;
     motion_.warnings.push_back(
         {0, 0,
          fmt::format("the file states no frame rate: assuming {:.0f} fps, as {}", usual->fps,
@@ -307,6 +315,7 @@ class PlacesReader {
   NpyArray array_;
   PlacesLayout layout_;
   std::size_t sample_ = 0;
+  bool has_own_names_ = false;  // In the file.
   JointMotion motion_;
 };
 

@@ -25,6 +25,8 @@ struct JointMotion {
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<std::string> names;  ///< Joint names; empty if the file has none.
   FrameRate rate;
+  /// The rate is only the usual one of files with this joint order; empty: it is another one.
+  std::string_view order_of_rate;
   std::optional<double> height;  ///< Body height in metres, if the file has it.
   std::vector<Warning> warnings;
 
@@ -54,8 +56,8 @@ struct JointReadOptions {
 /// (samples, joints, 3, frames). Kimodo's files also have rotations.
 ///
 /// The rate is read from `fps` or a similar array. Without one, the usual rate of the data set is
-/// assumed with a warning: 20 fps for the 22 joints of HumanML3D and MDM, 120 fps for holosoma's 53
-/// joints, 30 fps for `global_joint_positions` and for Kimodo.
+/// assumed with a warning: 20 fps for the 22 joints of HumanML3D and MDM without names in the file,
+/// 120 fps for holosoma's 53 joints, 30 fps for `global_joint_positions` and for Kimodo.
 /// Errors: other shapes, no frames, numbers that are not finite, no known rate, several motions
 /// without a choice, a wrong number of names.
 [[nodiscard]] Result<JointMotion> read_joint_motion(const ArraySource& file,

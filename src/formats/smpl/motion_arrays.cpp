@@ -125,6 +125,7 @@ class MotionReader {
     // No joint turns this far: larger values are degrees or not rotations at all.
     constexpr double kMaxRadians = 100.0;
     std::vector<Table> tables;
+    const char* name = nullptr;
     if (const auto* parts = parted_poses(file_)) {
       TRY_ASSIGN(Table root, read_table(parts->first, {kRootAxes}, kMaxRadians));
       // 69 columns include SMPL's two hand joints.
@@ -134,11 +135,13 @@ class MotionReader {
         return other_length(parts->second, body, (std::string(parts->first) + " has").c_str(),
                             root.rows);
       }
+      name = parts->second;
       tables = {std::move(root), std::move(body)};
     } else if (const char* whole = first_of(file_, kWholePoses)) {
       TRY_ASSIGN(Table poses,
                  read_table(whole, {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns},
                             kMaxRadians));
+      name = whole;
       pose_width_ = poses.width;
       tables = {std::move(poses)};
     } else {
@@ -153,6 +156,12 @@ class MotionReader {
           arrays_.rotations.push_back(table.vector(row, column));
         }
       }
+    }
+    if (const auto found = find_degrees(arrays_.rotations)) {
+      return file_.array_failure(
+          name,
+          fmt::format("{} in frame {}, {}", fault_of(found->value), found->frame, found->joint),
+          fmt::format("{} joints turn by more than two turns: are these degrees?", found->joints));
     }
     return {};
   }

@@ -59,6 +59,20 @@ struct MotionKind {
                                                       const MotionKind& kind,
                                                       std::optional<double> source_fps);
 
+/// Rotation vectors that are probably in degrees.
+struct DegreesFound {
+  std::size_t joints = 0;  ///< That turn by more than two and a half turns.
+  double value = 0.0;      ///< The largest component, of this frame and joint.
+  std::size_t frame = 0;
+  std::string_view joint;
+};
+
+/// Detects degrees, whose numbers may be small: of a body in radians, only the root turns
+/// several times.
+/// @param rotations  as in MotionArrays.
+[[nodiscard]] std::optional<DegreesFound> find_degrees(
+    const std::vector<Eigen::Vector3d>& rotations);
+
 /// A unit of `trans` other than metres.
 struct TranslationUnit {
   double metres = 1.0;
@@ -74,8 +88,8 @@ struct TranslationUnit {
 [[nodiscard]] std::optional<TranslationUnit> find_translation_unit(const MotionArrays& arrays,
                                                                    const SmplRestBody& body);
 
-/// Reads the frame rate of a motion file from any of its known names. Returns nothing without
-/// one. Errors: two different rates, an invalid rate.
+/// Reads the frame rate of a motion file from any of its known names: `fps`, `mocap_framerate` and
+/// similar ones, otherwise `dt` and similar ones. Returns nothing without one. Errors: two different rates, an invalid rate.
 /// @param source_fps  overrides the file's rate, Hz; positive and finite.
 [[nodiscard]] Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
                                                                 std::optional<double> source_fps);

@@ -100,6 +100,30 @@ int upright_axis(const MotionArrays& arrays) {
 
 }  // namespace
 
+std::optional<DegreesFound> find_degrees(const std::vector<Eigen::Vector3d>& rotations) {
+  // Some tools write rotations of more than a turn; two and a half are 16 degrees if read as such.
+  constexpr double kMostRadians = 2.5 * 6.28318530717958647693;
+  // Fewer joints, or a smaller part of the frames, may be faults of a fit.
+  constexpr std::size_t kJointsBeyond = 3, kPartOfFrames = 20;
+  const std::size_t frames = rotations.size() / kSmplJointCount;
+  DegreesFound found;
+  for (std::size_t joint = 1; joint < kSmplJointCount; ++joint) {
+    std::size_t beyond = 0;
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      const Eigen::Vector3d& turn = rotations[frame * kSmplJointCount + joint];
+      if (turn.norm() <= kMostRadians) continue;
+      ++beyond;
+      int axis = 0;
+      if (!(turn.cwiseAbs().maxCoeff(&axis) > std::abs(found.value))) continue;
+      found.value = turn[axis];
+      found.frame = frame;
+      found.joint = kSmplJointNames[joint];
+    }
+    if (kPartOfFrames * beyond >= frames) ++found.joints;
+  }
+  return found.joints >= kJointsBeyond ? std::optional(found) : std::nullopt;
+}
+
 std::optional<TranslationUnit> find_translation_unit(const MotionArrays& arrays,
                                                      const SmplRestBody& body) {
   // The fastest runners reach 12 m/s, with one foot at rest in every step; wheels may be faster.
@@ -143,6 +167,11 @@ std::optional<TranslationUnit> find_translation_unit(const MotionArrays& arrays,
 
 namespace {
 
+// Names of a rate in files of motion capture, data sets and NumPy users, and of its reciprocal.
+constexpr std::array kRateNames = {"mocap_framerate", "mocap_frame_rate", "fps", "framerate",
+                                   "frame_rate"};
+constexpr std::array kTimeNames = {"frame_time", "frametime", "dt"};
+
 constexpr std::string_view kRateHint = "give the frame rate with " OPTION("source-fps");
 
 Result<double> read_rate_array(const ArraySource& file, const char* name) {
@@ -162,6 +191,23 @@ Result<double> read_rate_array(const ArraySource& file, const char* name) {
                             std::string(kRateHint));
 }
 
+// Reads the seconds per frame of a file without a rate. Arrays of other shapes are something else.
+Result<std::optional<FrameRate>> read_frame_time(const ArraySource& file) {
+  for (const char* name : kTimeNames) {
+    if (!file.has(name)) continue;
+    const auto array = file.read(name);
+    if (!array || !array->is_number() || array->element_count() != 1) continue;
+    const double seconds = array->numbers().front();
+    if (!(seconds > 0.0) || !is_plausible_rate(1.0 / seconds)) {
+      return file.array_failure(name,
+                                fmt::format("expected seconds per frame, found {:g}", seconds),
+                                std::string(kRateHint));
+    }
+    return frame_rate_from_frame_time(seconds);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
@@ -169,7 +215,7 @@ Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
   if (source_fps) return frame_rate_from_fps(*source_fps);
   std::optional<FrameRate> found;
   const char* first = nullptr;
-  for (const char* name : {"mocap_framerate", "mocap_frame_rate", "fps"}) {
+  for (const char* name : kRateNames) {
     if (!file.has(name)) continue;
     TRY_ASSIGN(const auto fps, read_rate_array(file, name));
     const FrameRate rate = frame_rate_from_fps(fps);
@@ -182,11 +228,12 @@ Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
     found = rate;
     first = name;
   }
-  return found;
+  return found ? Result<std::optional<FrameRate>>(found) : read_frame_time(file);
 }
 
 Failure no_motion_rate(const ArraySource& file) {
-  return file.file_failure("no frame rate: found none of mocap_framerate, mocap_frame_rate and fps",
+  return file.file_failure(fmt::format("no frame rate: found none of {} and {}",
+                                       fmt::join(kRateNames, ", "), fmt::join(kTimeNames, ", ")),
                            std::string(kRateHint));
 }
 

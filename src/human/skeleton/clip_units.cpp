@@ -12,20 +12,27 @@
 
 #include "formats/bvh/euler_angles.h"
 #include "human/skeleton/up_evidence.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {
+
+// Approximate duration of a time step.
+constexpr double kStepSeconds = 1.0 / 30.0;
 
 // Motion of ankles and toes in short time steps, spread over a clip. It separates the effect of
 // the root translation, which may be scaled, from the rest. Lengths are in legs.
 class FootSteps {
  public:
   // @param slots  translation slots of the root (Skeleton::translation_slot)
-  FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots);
+  FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
+            double seconds = kStepSeconds);
 
   [[nodiscard]] bool empty() const { return steps_.empty(); }
   // Mean speed of the slowest ankle or toe with a scaled root translation, legs per second.
   [[nodiscard]] double slowest_foot(double root_scale) const;
+  // Median over the steps of the speed of the slowest ankle or toe.
+  [[nodiscard]] double usual_slowest_foot() const;
   // Mean speed of the root, legs per second.
   [[nodiscard]] double root() const;
   // Mean cosine between trunk and legs, as seen from the hips: near 1 if they point the same way,
@@ -36,15 +43,15 @@ class FootSteps {
   struct FootStep {
     Eigen::Vector3d by_root, by_others;
   };
+  [[nodiscard]] static double slowest_in(const std::vector<FootStep>& step, double root_scale);
+
   std::vector<std::vector<FootStep>> steps_;  // By time step and foot.
   double fold_ = 0.0;
 };
 
 using Eigen::Vector3d;
 
-// Approximate duration of a time step, and the approximate limit of their number. Steps are spread
-// evenly over the clip.
-constexpr double kStepSeconds = 1.0 / 30.0;
+// Approximate limit of the number of steps, which are spread evenly over the clip.
 constexpr int kMaxSteps = 1000;
 
 // First frames of the steps, and the length of a step in frames.
@@ -53,9 +60,9 @@ struct StepFrames {
   int length = 1;
 };
 
-StepFrames frames_of_steps(const Clip& clip) {
+StepFrames frames_of_steps(const Clip& clip, double seconds) {
   StepFrames steps;
-  steps.length = std::max(1, static_cast<int>(std::lround(kStepSeconds * clip.rate().fps())));
+  steps.length = std::max(1, static_cast<int>(std::lround(seconds * clip.rate().fps())));
   const int count = clip.frame_count() - steps.length;
   const int stride = std::max(steps.length, count / kMaxSteps);
   for (int frame = 0; frame < count; frame += stride) steps.begins.push_back(frame);
@@ -87,10 +94,11 @@ double fold_of(const Body& body, const JointPoses& pose) {
   return sum;
 }
 
-FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots) {
+FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
+                     double seconds) {
   const double leg = leg_length(body);
   const std::vector<int> feet = feet_of_body(body);
-  const StepFrames steps = frames_of_steps(clip);
+  const StepFrames steps = frames_of_steps(clip, seconds);
   if (!(leg > 0.0) || feet.empty() || steps.begins.empty()) return;
   // Comparing with the frame at doubled root translation isolates the contribution of the root.
   Clip twice(clip.shared_skeleton(), clip.rate(), 1);
@@ -118,16 +126,24 @@ FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>&
   }
 }
 
+double FootSteps::slowest_in(const std::vector<FootStep>& step, double root_scale) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const FootStep& foot : step) {
+    slowest = std::min(slowest, (root_scale * foot.by_root + foot.by_others).norm());
+  }
+  return slowest;
+}
+
 double FootSteps::slowest_foot(double root_scale) const {
   double sum = 0.0;
-  for (const auto& step : steps_) {
-    double slowest = std::numeric_limits<double>::infinity();
-    for (const FootStep& foot : step) {
-      slowest = std::min(slowest, (root_scale * foot.by_root + foot.by_others).norm());
-    }
-    sum += slowest;
-  }
+  for (const auto& step : steps_) sum += slowest_in(step, root_scale);
   return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
+}
+
+double FootSteps::usual_slowest_foot() const {
+  std::vector<double> speeds;
+  for (const auto& step : steps_) speeds.push_back(slowest_in(step, 1.0));
+  return speeds.empty() ? 0.0 : median_in_place(speeds);
 }
 
 double FootSteps::root() const {
@@ -309,7 +325,12 @@ std::optional<Warning> check_root(Clip& clip, const Body& body) {
                                  best)};
     }
   }
-  if (steps.root() < kRestingRoot && speed > kMovingFeet && speed > steps.root()) {
+  // Noise, and frames in which the tracking is lost, move feet back and forth, but not over 0.2 s.
+  constexpr double kSlideSeconds = 0.2;
+  const auto slides = [&] {
+    return FootSteps(clip, body, slots, kSlideSeconds).usual_slowest_foot() > kMovingFeet;
+  };
+  if (steps.root() < kRestingRoot && speed > kMovingFeet && speed > steps.root() && slides()) {
     return Warning{0, 0,
                    "the planted feet move and the root does not: the root translation is missing "
                    "or centred, and the motion slides in place"};

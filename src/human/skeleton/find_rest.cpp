@@ -42,13 +42,30 @@ std::optional<RestCandidate> candidate(const RestSearch& search, JointPoses pose
   return RestCandidate{std::move(pose), *axes};
 }
 
+// The axes of a pose. Whether its soles are square to the shins or on a floor is a convention that
+// the pose does not show (RestCandidate::is_built); the feet that stand in the movement do.
+JointFromBone axes_in(const RestSearch& search, RestCandidate& found) {
+  const Movement& movement = search.movement;
+  JointFromBone axes = bring_to_t(search.body, found);
+  const SoleCheck soles(search.body, movement.poses, movement.up.direction());
+  RestCandidate other = found;
+  other.is_built = !found.is_built;
+  JointFromBone others = bring_to_t(search.body, other);
+  const auto error = soles.error(axes), error_of_other = soles.error(others);
+  if (error && error_of_other && *error_of_other + kClearLead < *error) {
+    found = std::move(other);
+    axes = std::move(others);
+  }
+  return soles.corrected(found, std::move(axes));
+}
+
 Result<Rest> taken(const RestSearch& search, std::optional<RestCandidate> found, std::string name) {
   if (!found) {
     return input_failure(
         {}, "the " + name + " has no facing direction: hips and shoulders lie along the up axis",
         "choose another rest pose, or give " OPTION("forward"));
   }
-  JointFromBone axes = bring_to_t(search.body, *found);
+  JointFromBone axes = axes_in(search, *found);
   return Rest{*std::move(found), std::move(axes), std::move(name), {}, {}};
 }
 
@@ -178,7 +195,7 @@ std::vector<ScoredRest> scored_rests(const RestSearch& search, const std::option
   LearnedAxes learned = learned_axes(body, movement.poses, movement.up.direction(), *start);
   const auto add = [&](std::optional<RestCandidate> pose, std::string name) {
     if (!pose) return;
-    JointFromBone axes = bring_to_t(search.body, *pose);
+    JointFromBone axes = axes_in(search, *pose);
     const double error = expected_error(axes, learned);
     scored.push_back({Rest{*std::move(pose), std::move(axes), std::move(name), {}, {}}, error});
   };

@@ -43,6 +43,7 @@ HumanClipInfo HumanPoser::info() const {
   info.size = calibration_.size;
   info.soles = calibration_.soles;
   info.built = calibration_.built;
+  info.standing_bend = calibration_.standing_bend;
   info.source_joints = skeleton.names();
   for (const Bone bone : kAllBones) {
     const BoneSource& source = calibration_.bones[bone];

@@ -386,6 +386,13 @@ Result<Clip> clip_of_joints(const JointMotion& motion, const std::string& name) 
   }
   TRY_ASSIGN(const FoundTree found, motion.names.empty() ? tree_of_known_order(motion, name)
                                                          : tree_of_names(motion, name));
+  if (!found.order.empty() && !motion.order_of_rate.empty() &&
+      found.order != motion.order_of_rate) {
+    return input_failure(name,
+                         "no frame rate: the file states none, and motions in the joint order of " +
+                             found.order + " have no usual one",
+                         "give the frame rate with " OPTION("source-fps"));
+  }
   ClipOrigin origin;
   origin.name = name;
   origin.body_height = motion.height;

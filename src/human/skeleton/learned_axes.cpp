@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {
@@ -101,6 +102,20 @@ class Learner {
       if (is_plainly_off(start, side_bone(side, kArm))) continue;
       keep(start, side, {kArm, kForeArm, kHand});
     }
+    return axes_;
+  }
+
+  // Toe axes of a foot that stands flat in a sufficient number of poses.
+  [[nodiscard]] std::optional<Eigen::Matrix3d> standing_axes(Side side) const {
+    constexpr std::size_t kMinFlat = 5;
+    const int toe = toe_joint(side);
+    if (toe < 0 || flat_frames(side).size() < kMinFlat) return std::nullopt;
+    return level_axes(side, toe);
+  }
+
+  // The axes with the feet that the movement shows.
+  JointFromBone with_foot(Side side) {
+    learn_foot(side);
     return axes_;
   }
 
@@ -257,6 +272,13 @@ class Learner {
     error_[bone] = std::sqrt(of_habit * of_habit + of_hinge * of_hinge);
   }
 
+  // The joint that rotates the sole; -1 without a foot.
+  [[nodiscard]] int toe_joint(Side side) const {
+    const int foot = body_.joint(side_bone(side, kFoot));
+    const int toe = body_.turning_joint(side_bone(side, kToe));
+    return foot < 0 || toe < 0 ? foot : toe;
+  }
+
   // Axes of a flat foot, from the vertical and from its direction.
   [[nodiscard]] std::optional<Eigen::Matrix3d> level_axes(Side side, int toe) const {
     Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
@@ -295,7 +317,7 @@ class Learner {
     const int foot = body_.joint(foot_bone);
     if (foot < 0) return;
     const bool has_toe = body_.turning_joint(toe_bone) >= 0;
-    const int toe = has_toe ? body_.turning_joint(toe_bone) : foot;
+    const int toe = toe_joint(side);
     auto level = level_axes(side, toe);
     const double error = level ? kErrorOfStanding : kErrorOfBuild;
     // In an upright body, the foot of the best frame is closer than one that is built.
@@ -371,6 +393,48 @@ JointFromBone with_corrected_arms(const Body& body, const std::vector<JointPoses
 JointFromBone with_corrected_legs(const Body& body, const std::vector<JointPoses>& poses,
                                   const Eigen::Vector3d& up, JointFromBone axes) {
   return Learner(body, poses, up, std::move(axes)).correct_legs();
+}
+
+SoleCheck::SoleCheck(const Body& body, const std::vector<JointPoses>& poses,
+                     const Eigen::Vector3d& up)
+    : body_(body), poses_(poses), up_(up) {
+  if (poses.empty()) return;
+  const Learner learner(body, poses, up, {});
+  for (std::size_t i = 0; i < 2; ++i) level_[i] = learner.standing_axes(kSides[i]);
+}
+
+std::optional<double> SoleCheck::error_of(const JointFromBone& axes, std::size_t side) const {
+  const Bone foot = side_bone(kSides[side], kFoot), toe = side_bone(kSides[side], kToe);
+  const Bone sole = axes[toe] ? toe : foot;
+  if (!level_[side] || !axes[sole]) return std::nullopt;
+  const Eigen::Matrix3d toe_axes =
+      *axes[sole] * canonical_t_pose(sole).transpose() * canonical_t_pose(toe);
+  constexpr double kDegrees = 57.295779513082321;
+  return kDegrees * angle_between(toe_axes.col(1), level_[side]->col(1));
+}
+
+std::optional<double> SoleCheck::error(const JointFromBone& axes) const {
+  double sum = 0.0;
+  int feet = 0;
+  for (const std::size_t side : {0U, 1U}) {
+    if (const auto found = error_of(axes, side)) sum += *found, ++feet;
+  }
+  return feet > 0 ? std::optional(sum / feet) : std::nullopt;
+}
+
+JointFromBone SoleCheck::corrected(const RestCandidate& rest, JointFromBone axes) const {
+  constexpr double kOff = 20.0;    // Degrees.
+  constexpr double kSlope = 0.26;  // Sine of 15 degrees.
+  for (const std::size_t side : {0U, 1U}) {
+    const Bone foot = side_bone(kSides[side], kFoot);
+    const auto error = error_of(axes, side);
+    const auto way = along(body_.segment(foot), rest.pose);
+    if (!error || *error < kOff || !way) continue;
+    const double slope = (rest.axes * way->normalized()).z();
+    if (std::abs(slope - canonical_t_pose(foot)(2, 0)) < kSlope) continue;
+    axes = Learner(body_, poses_, up_, std::move(axes)).with_foot(kSides[side]);
+  }
+  return axes;
 }
 
 }  // namespace retarget

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "human/skeleton/rest_pose.h"
@@ -56,5 +60,29 @@ struct LearnedAxes {
 [[nodiscard]] JointFromBone with_corrected_legs(const Body& body,
                                                 const std::vector<JointPoses>& poses,
                                                 const Eigen::Vector3d& up, JointFromBone axes);
+
+/// Compares the feet of axes with the movement, in which feet stand flat.
+class SoleCheck {
+ public:
+  /// @param poses  may be empty
+  SoleCheck(const Body& body, const std::vector<JointPoses>& poses, const Eigen::Vector3d& up);
+
+  /// Mean angle between the soles of the axes and those that the movement shows, degrees; empty if
+  /// no foot stands flat in at least five poses.
+  [[nodiscard]] std::optional<double> error(const JointFromBone& axes) const;
+
+  /// Returns the axes with learned feet if the feet of the rest pose do not stand: the sole is more
+  /// than 20 degrees off that of the movement, and its foot more than 15 degrees steeper or flatter
+  /// than the canonical one. The second condition excludes dancers who stand on their toes.
+  [[nodiscard]] JointFromBone corrected(const RestCandidate& rest, JointFromBone axes) const;
+
+ private:
+  [[nodiscard]] std::optional<double> error_of(const JointFromBone& axes, std::size_t side) const;
+
+  const Body& body_;
+  const std::vector<JointPoses>& poses_;
+  const Eigen::Vector3d up_;
+  std::array<std::optional<Eigen::Matrix3d>, 2> level_;  // Toe axes of a flat foot, by side.
+};
 
 }  // namespace retarget

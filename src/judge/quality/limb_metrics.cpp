@@ -125,8 +125,9 @@ std::vector<LimbDirections> TrackingMeasure::hand_directions() const {
 // Whether the floor may constrain a limb.
 bool TrackingMeasure::rests(int frame, std::span<const Bone> bones) const {
   constexpr double kLow = 0.25;  // Fraction of the leg length.
-  return std::ranges::any_of(
-      bones, [&](Bone bone) { return bone_pose(frame, bone).translation.z() < kLow * leg_; });
+  return std::ranges::any_of(bones, [&](Bone bone) {
+    return bone_pose(frame, bone).translation.z() - posture_.floor < kLow * leg_;
+  });
 }
 
 std::vector<double> TrackingMeasure::limb_angles(const LimbDirections& limb) const {

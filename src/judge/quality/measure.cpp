@@ -8,6 +8,7 @@
 #include "human/gait/contact_plan.h"
 #include "human/gait/edit_contacts.h"
 #include "human/gait/source_feet.h"
+#include "human/gait/standing_heights.h"
 #include "human/gait/surface_contacts.h"
 #include "human/skeleton/human_clip.h"
 #include "judge/quality/at_limit_metrics.h"
@@ -81,16 +82,29 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
   measure_tracking(draft, tracks, held, limits, upright_posture(draft.clip.frame_count()), frames);
 }
 
+// The feet of a source and the ground on which they stand. The source may be longer; only the
+// frames of the motion matter.
+struct SourceGround {
+  SourceGround(const QualitySource& source, int frames)
+      : feet(*source.human, frames),
+        contacts(source.scene == nullptr ? find_contacts(feet)
+                                         : find_contacts_on_ground(*source.scene, feet)) {
+    edit_contacts(source.contact_edits, feet, contacts);
+    if (source.scene == nullptr && feet.foot_count > 0) floor = floor_height(contacts);
+  }
+
+  SourceFeet feet;
+  ContactPlan contacts;
+  double floor = 0.0;  // Height, metres. The floor of a scene is at 0.
+};
+
 // Compares the robot's contacts with floor and scene with those of its source.
 void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
-                      const QualitySource& source, const Posture& posture, int frames) {
+                      const QualitySource& source, const SourceGround& ground,
+                      const Posture& posture, int frames) {
   const HumanClip& human = *source.human;
   const bool tracked = source.config != nullptr;
-  const SourceFeet feet(human, frames);
-  // The source may be longer; only the frames of the motion matter.
-  ContactPlan contacts =
-      source.scene == nullptr ? find_contacts(feet) : find_contacts_on_ground(*source.scene, feet);
-  edit_contacts(source.contact_edits, feet, contacts);
+  const auto& [feet, contacts, floor] = ground;
   draft.report.contacts = contacts.of_ends();
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);
@@ -157,9 +171,12 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   const bool held = tracked && clip.robot().fixed_base();
   const int frames =
       source != nullptr ? std::min(clip.frame_count(), source->human->frame_count) : 0;
-  const Posture posture = source != nullptr && !held
-                              ? find_posture(*source->human, clip.frame_count(), frames)
-                              : upright_posture(clip.frame_count());
+  std::optional<SourceGround> ground;
+  Posture posture = upright_posture(clip.frame_count());
+  if (source != nullptr && !held) {
+    ground.emplace(*source, frames);
+    posture = find_posture(*source->human, clip.frame_count(), frames, ground->floor);
+  }
   if (posture.lying_pct) draft.set("lying_pct", *posture.lying_pct);
   std::optional<JointDemand> demand;
   if (tracked && frames > 0) demand.emplace(clip, limits, *source, frames);
@@ -169,7 +186,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   } else if (source != nullptr) {
     report.source_frames = frames;
     measure_source_slide(draft, *source->human, frames);
-    measure_on_floor(draft, tracks, *source, posture, frames);
+    measure_on_floor(draft, tracks, *source, *ground, posture, frames);
     if (tracked) measure_tracking(draft, tracks, *source, limits, posture, frames);
   }
   std::ranges::sort(report.values, {}, &MetricValue::metric);

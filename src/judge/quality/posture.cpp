@@ -22,11 +22,12 @@ constexpr double kGettingUp = 0.5;     // Seconds before and after such a frame.
 }  // namespace
 
 Posture upright_posture(int frames) {
-  return {std::vector<char>(static_cast<std::size_t>(frames), 1), std::nullopt};
+  return {std::vector<char>(static_cast<std::size_t>(frames), 1), std::nullopt, 0.0};
 }
 
-Posture find_posture(const HumanClip& human, int frames, int source_frames) {
+Posture find_posture(const HumanClip& human, int frames, int source_frames, double floor) {
   Posture posture = upright_posture(frames);
+  posture.floor = floor;
   const auto standing = standing_trunk(human);
   const double leg = leg_length(human);
   if (!standing || !(leg > 0.0) || source_frames == 0) return posture;
@@ -35,7 +36,7 @@ Posture find_posture(const HumanClip& human, int frames, int source_frames) {
   for (int frame = 0; frame < source_frames; ++frame) {
     const HumanPose& pose = human.frame(frame);
     const auto trunk = trunk_frame(trunk_lines(pose));
-    if (!trunk || pose[Bone::kHips].translation.z() >= kLowHips * leg) continue;
+    if (!trunk || pose[Bone::kHips].translation.z() - floor >= kLowHips * leg) continue;
     if (trunk_up(*trunk, *standing).z() >= kLyingUpright) continue;
     ++lying;
     std::fill(posture.upright.begin() + std::max(frame - margin, 0),

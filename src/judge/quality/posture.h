@@ -18,6 +18,7 @@ struct Posture {
   /// Percentage of the source's frames in which the body lies or crawls. Empty for bodies without a
   /// trunk or a leg, whose posture is unknown; all their frames are upright.
   std::optional<double> lying_pct;
+  double floor = 0.0;  ///< Height of the floor under the source, metres.
 
   [[nodiscard]] bool is_upright(int frame) const {
     return upright[static_cast<std::size_t>(frame)] != 0;
@@ -31,7 +32,9 @@ struct Posture {
 /// Finds the posture from trunk and hips of the human.
 /// @param frames         number of frames of the motion.
 /// @param source_frames  number of these frames that the source covers; the rest is upright.
-[[nodiscard]] Posture find_posture(const HumanClip& human, int frames, int source_frames);
+/// @param floor          height of the floor under the source, metres.
+[[nodiscard]] Posture find_posture(const HumanClip& human, int frames, int source_frames,
+                                   double floor);
 
 /// Posture of a motion without a known source: upright in all frames.
 [[nodiscard]] Posture upright_posture(int frames);

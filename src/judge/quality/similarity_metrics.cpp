@@ -247,11 +247,6 @@ struct Leans {
 
 }  // namespace
 
-bool has_trunk(const HumanClipInfo& human) {
-  return human.has(Bone::kHips) &&
-         std::ranges::all_of(kTrunkBones, [&](Bone bone) { return human.has(bone); });
-}
-
 std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human) {
   if (!has_trunk(human)) return std::nullopt;
   return trunk_frame(standing_trunk_lines(human, poses_of(human)));

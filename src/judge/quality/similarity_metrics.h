@@ -54,9 +54,6 @@ void measure_source_slide(const ReportBuilder& draft, const HumanClip& human, in
 inline constexpr std::array kTrunkBones = {Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftArm,
                                            Bone::kRightArm};
 
-/// Whether the hips, both hip joints and both shoulders exist.
-[[nodiscard]] bool has_trunk(const HumanClipInfo& human);
-
 /// Axes of the standing trunk (standing_trunk_lines()); empty without a trunk.
 [[nodiscard]] std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "retarget/human_skeleton.h"
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kMinLineLength = 1e-6;  // Metres; also used for a sine.
 constexpr double kDegree = 0.017453292519943295;
-// Bends of the spine at which standing_trunk_lines() applies none and all of its rotation.
+// Standing bends of the spine at which standing_trunk_lines() applies none and all of its rotation.
 constexpr double kStraightSpine = 3.0 * kDegree;
 constexpr double kCurvedSpine = 10.0 * kDegree;
 
@@ -119,6 +120,31 @@ std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
   return frame;
 }
 
+bool has_trunk(const HumanClipInfo& human) {
+  return std::ranges::all_of(
+      std::array{Bone::kHips, Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftArm, Bone::kRightArm},
+      [&](Bone bone) { return human.has(bone); });
+}
+
+double standing_bend(const HumanClipInfo& human, const HumanPoseSource& poses) {
+  constexpr double kStep = 0.2, kEnough = 1.0;  // Seconds.
+  constexpr double kLowerQuarter = 25.0;
+  const int step = std::max(1, static_cast<int>(std::lround(kStep * human.rate.fps())));
+  const TrunkChain chain(human);
+  HumanPose bones;
+  std::vector<double> upright, bends;
+  for (int frame = 0; frame < human.frame_count; frame += step) {
+    poses(frame, bones);
+    bends.push_back(chain.bend(bones));
+    // Frames in which the human bends over, sits or lies say little about its stance.
+    if (chain.is_upright(bones)) upright.push_back(bends.back());
+  }
+  const double of_all = percentile(bends, kLowerQuarter);
+  if (upright.empty()) return of_all;
+  const double seconds = static_cast<double>(upright.size()) * step / human.rate.fps();
+  return std::lerp(of_all, percentile(upright, kLowerQuarter), std::min(1.0, seconds / kEnough));
+}
+
 TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSource& poses) {
   if (human.built) return {human.built->trunk, human.built->shoulders};
   constexpr int kMaxFrames = 100;
@@ -127,23 +153,17 @@ TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSourc
   HumanPose bones;
   TrunkLines sum;
   int frames = 0;
-  std::vector<double> upright, bends;
   for (int frame = 0; frame < human.frame_count; frame += step) {
     poses(frame, bones);
     const TrunkLines lines = chain.in_t_pose(bones);
     sum.chord += lines.chord;
     sum.across += lines.across;
-    bends.push_back(chain.bend(bones));
-    // Excludes frames in which the human bends over, sits or lies: they say little about its
-    // stance.
-    if (chain.is_upright(bones)) upright.push_back(bends.back());
     ++frames;
   }
   if (frames == 0) return sum;
   sum.chord /= frames;
   sum.across /= frames;
-  constexpr double kLowerQuarter = 25.0;
-  const double bend = percentile(upright.empty() ? bends : upright, kLowerQuarter);
+  const double bend = human.standing_bend ? *human.standing_bend : standing_bend(human, poses);
   const double curved = (bend - kStraightSpine) / (kCurvedSpine - kStraightSpine);
   straighten(sum, std::clamp(curved, 0.0, 1.0));
   return sum;
