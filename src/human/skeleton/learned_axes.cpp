@@ -417,7 +417,10 @@ std::optional<double> SoleCheck::error(const JointFromBone& axes) const {
   double sum = 0.0;
   int feet = 0;
   for (const std::size_t side : {0U, 1U}) {
-    if (const auto found = error_of(axes, side)) sum += *found, ++feet;
+    const auto found = error_of(axes, side);
+    if (!found) continue;
+    sum += *found;
+    ++feet;
   }
   return feet > 0 ? std::optional(sum / feet) : std::nullopt;
 }

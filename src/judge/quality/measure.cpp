@@ -104,7 +104,8 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
                       const Posture& posture, int frames) {
   const HumanClip& human = *source.human;
   const bool tracked = source.config != nullptr;
-  const auto& [feet, contacts, floor] = ground;
+  const SourceFeet& feet = ground.feet;
+  const ContactPlan& contacts = ground.contacts;
   draft.report.contacts = contacts.of_ends();
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);
