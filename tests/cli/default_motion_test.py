@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from tool import SHARED, SOURCE, ToolTest, sample
+from tool import SHARED, SOURCE, ToolTest, read_rows, sample
 
 ROBOTS = sorted(path.parent.name for path in SOURCE.glob("robots/**/model.xml"))
 
@@ -18,6 +18,21 @@ class DefaultMotion(ToolTest):
         self.run_tool("evaluate", motion, "--robot", "unitree_g1", "--bvh", clip, "--gate", "none",
                       "--json", "report.json")
         return json.loads((self.folder / "report.json").read_text())["motions"][0]
+
+
+class Heading(DefaultMotion):
+    def test_the_joints_do_not_depend_on_the_heading(self):
+        for clip in ("walk", "get_up"):
+            motions = []
+            for degrees in ("0", "37", "-140"):
+                self.assert_done(self.run_tool("edit", "turn", sample(clip), degrees, "-o", "turned.bvh"))
+                self.assert_done(self.run_tool("--bvh", "turned.bvh", "--robot", "unitree_g1", "-q", "-o",
+                                               "out.csv"))
+                motions.append([row[7:] for row in read_rows((self.folder / "out.csv").read_text())])
+            for turned in motions[1:]:
+                difference = max(abs(a - b) for one, other in zip(motions[0], turned)
+                                 for a, b in zip(one, other))
+                self.assertLess(difference, 1e-3, clip)
 
 
 class StandingStraight(DefaultMotion):

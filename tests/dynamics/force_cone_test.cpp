@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <limits>
 #include <random>
 
 namespace retarget {
 namespace {
 
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 ForceCone two_feet(double friction = 0.6) {
@@ -99,6 +102,29 @@ TEST(ForceCone, PyramidsLieInTheConeAboutTheirNormal) {
     EXPECT_LT((edges.rowwise().sum() - 4.0 * n).norm(), 1e-12);
     EXPECT_NEAR((edges.col(0) - n).dot(edges.col(2) - n), 0.0, 1e-12);
   }
+}
+
+// A turn of the world about the vertical turns the heading and the pyramids.
+TEST(ForceCone, PyramidsTurnWithTheBase) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> number;
+  const auto direction = [&] {
+    return Vector3d(number(random), number(random), number(random)).normalized();
+  };
+  for (int round = 0; round < 50; ++round) {
+    const Quaterniond base(AngleAxisd(2.0 * number(random), direction()));
+    const Quaterniond turn(AngleAxisd(number(random), Vector3d::UnitZ()));
+    const Vector3d forward = base_forward(base), turned = base_forward(turn * base);
+    EXPECT_LT((turned - turn * forward).norm(), 1e-9);
+    EXPECT_NEAR(forward.norm(), 1.0, 1e-12);
+    EXPECT_EQ(forward.z(), 0.0);
+    for (const Vector3d& normal : {Vector3d(Vector3d::UnitZ()), direction()}) {
+      const auto edges = friction_pyramid(0.8, normal, forward);
+      const auto after = friction_pyramid(0.8, turn * normal, turned);
+      EXPECT_LT((after - turn.toRotationMatrix() * edges).norm(), 1e-9);
+    }
+  }
+  EXPECT_EQ(base_forward(Quaterniond(0.0, 1.0, 0.0, 0.0)), Vector3d(Vector3d::UnitX()));
 }
 
 TEST(ForceCone, ContactsNeverPull) {

@@ -92,7 +92,9 @@ class SceneSampler {
     TRY(times.check(file_name_));
     TRY_ASSIGN(const int frames, count_frames(times, choice, file_bytes));
     for (Warning& warning : times.warnings()) warnings_.push_back(std::move(warning));
-    ClipBuilder builder(rest_joints(rests_in_motion(times, frames)), times.rate(), frames);
+    std::vector<WorldJoint> rest = rest_joints(rests_in_motion(times, frames));
+    TRY(check_rest(rest));
+    ClipBuilder builder(std::move(rest), times.rate(), frames);
     for (int frame = 0; frame < frames; ++frame) {
       TRY(place_nodes(frame, times.seconds_of(frame)));
       builder.set_frame(frame, joint_poses());
@@ -247,6 +249,16 @@ class SceneSampler {
           {names[j], skeleton_.parents[j], {place.rotation, place.world_from_node.translation()}});
     }
     return joints;
+  }
+
+  [[nodiscard]] Result<void> check_rest(const std::vector<WorldJoint>& joints) const {
+    for (const WorldJoint& joint : joints) {
+      const Pose& rest = joint.world_from_rest;
+      if (rest.translation.allFinite() && rest.rotation.coeffs().allFinite()) continue;
+      return input_failure(file_name_,
+                           "\"" + printable(joint.name) + "\" has a non-finite rest pose");
+    }
+    return {};
   }
 
   Result<void> place_nodes(int frame, double seconds) {

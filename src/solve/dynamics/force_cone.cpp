@@ -14,11 +14,22 @@ constexpr double kRidge = 1e-6;
 
 }  // namespace
 
-Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vector3d& normal) {
-  // For a horizontal surface, the tangents are x and y.
+Eigen::Vector3d base_forward(const Eigen::Quaterniond& world_from_base) {
+  const double w = world_from_base.w(), z = world_from_base.z();
+  const double twist = w * w + z * z;
+  // Upside down, there is no heading.
+  constexpr double kNoHeading = 1e-12;
+  if (!(twist > kNoHeading)) return Eigen::Vector3d::UnitX();
+  return Eigen::Vector3d((w * w - z * z) / twist, 2.0 * w * z / twist, 0.0);
+}
+
+Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vector3d& normal,
+                                             const Eigen::Vector3d& forward) {
+  // For a horizontal surface, the tangents are `forward` and the direction to its left.
   constexpr double kSteep = 0.9;
-  const Eigen::Vector3d aside =
-      std::abs(normal.x()) < kSteep ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d aside = std::abs(normal.dot(forward)) < kSteep
+                                    ? forward
+                                    : Eigen::Vector3d(Eigen::Vector3d::UnitZ().cross(forward));
   const Eigen::Vector3d first = (aside - normal.dot(aside) * normal).normalized();
   const Eigen::Vector3d second = normal.cross(first);
   Eigen::Matrix<double, 3, 4> edges;
@@ -28,9 +39,9 @@ Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vecto
 }
 
 void ForceCone::add_point(const Eigen::Vector3d& lever, double friction,
-                          const Eigen::Vector3d& normal) {
+                          const Eigen::Vector3d& normal, const Eigen::Vector3d& forward) {
   if (count_ == kMaxEdges) return;
-  const Eigen::Matrix<double, 3, kEdges> pyramid = friction_pyramid(friction, normal);
+  const Eigen::Matrix<double, 3, kEdges> pyramid = friction_pyramid(friction, normal, forward);
   for (int i = 0; i < kEdges; ++i) {
     const Eigen::Vector3d force = pyramid.col(i);
     edges_.col(count_++) << force, lever.cross(force);

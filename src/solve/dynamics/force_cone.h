@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 
@@ -12,8 +13,15 @@ namespace retarget {
 /// Edges of a pyramid inside the friction cone, one per column. Each has a normal component of 1.
 /// @param friction  friction coefficient.
 /// @param normal    surface normal, unit length.
+/// @param forward   horizontal direction, unit length: two edges lie in its plane with the normal.
+///     With the heading of the robot, results do not depend on the heading.
 [[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(
-    double friction, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
+    double friction, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ(),
+    const Eigen::Vector3d& forward = Eigen::Vector3d::UnitX());
+
+/// Horizontal direction, unit length, to which a rotation turns x by its part about the vertical
+/// (swing-twist decomposition). Turning the world about the vertical turns it alike.
+[[nodiscard]] Eigen::Vector3d base_forward(const Eigen::Quaterniond& world_from_base);
 
 /// The contact wrench cone: the wrenches about a reference point that contact forces inside the
 /// friction pyramids of some support points can exert. A wrench contains the force, then the
@@ -31,9 +39,10 @@ class ForceCone {
   /// @param lever     vector from the reference point to the contact, in the unit of length of the
   ///     torques.
   /// @param friction  friction coefficient.
-  /// @param normal    surface normal, unit length.
+  /// @param normal, forward  as in friction_pyramid().
   void add_point(const Eigen::Vector3d& lever, double friction,
-                 const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
+                 const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ(),
+                 const Eigen::Vector3d& forward = Eigen::Vector3d::UnitX());
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] auto edges() const { return edges_.leftCols(count_); }
 

@@ -42,16 +42,17 @@ Vector3d lowest_of(const SupportPoint& point, const TreeState& state) {
   return state.world_from_link[point.link] * point.in_link - point.radius * Vector3d::UnitZ();
 }
 
-void keep_outermost(std::span<const Vector3d> points, std::size_t most, std::vector<int>& chosen) {
+void keep_outermost(std::span<const Vector3d> points, std::size_t most, std::vector<int>& chosen,
+                    const Vector3d& forward) {
   if (chosen.size() <= most) return;
   // Moves the selected points to the front. A point selected twice is kept once.
   std::size_t kept = 0;
   for (std::size_t i = 0; i < most; ++i) {
     const portable::SineCosine way = portable::sin_cos(
         2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(most));
-    const auto reach = [&](int index) {
-      return way.cosine * points[index].x() + way.sine * points[index].y();
-    };
+    const double x = way.cosine * forward.x() - way.sine * forward.y();
+    const double y = way.cosine * forward.y() + way.sine * forward.x();
+    const auto reach = [&](int index) { return x * points[index].x() + y * points[index].y(); };
     std::size_t farthest = 0;
     for (std::size_t k = 1; k < chosen.size(); ++k) {
       if (reach(chosen[k]) > reach(chosen[farthest])) farthest = k;

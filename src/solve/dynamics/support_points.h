@@ -34,8 +34,10 @@ struct ContactPlace {
 /// horizontal directions. The other points lie approximately inside their convex hull.
 /// @param points  world, metres.
 /// @param chosen  indices into `points`; reduced, in ascending order.
+/// @param forward  first of the directions: horizontal, unit length.
 void keep_outermost(std::span<const Eigen::Vector3d> points, std::size_t most,
-                    std::vector<int>& chosen);
+                    std::vector<int>& chosen,
+                    const Eigen::Vector3d& forward = Eigen::Vector3d::UnitX());
 
 /// Distance of a point from the edge of the convex hull of `points`, metres; positive inside,
 /// negative outside. One or two points have no inside.

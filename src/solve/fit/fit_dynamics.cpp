@@ -61,6 +61,7 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       frames_(at(count_)),
       contacts_(at(count_)),
       contact_places_(at(count_)),
+      headings_(at(count_), Vector3d::UnitX()),
       overload_(at(count_), 0.0),
       com_(at(count_), Vector3d::Zero()),
       first_com_(com_),
@@ -237,6 +238,7 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   frame.needed.head<3>() = inverse_.needed().force / weight;
   frame.needed.tail<3>() = inverse_.needed().torque / (weight * scale_.length);
   com_[at(t)] = inverse_.com();
+  headings_[at(t)] = base_forward(pose_.world_from_link.front().rotation);
   if (!begun_) {
     find_contacts(t, clip, contacts_[at(t)]);
     frame.moved.setZero();
@@ -338,7 +340,7 @@ void FitDynamics::keep_outermost_contacts(int t, std::vector<FitContact>& contac
     places_.push_back(place_of(t, contacts[i]).position);
     chosen_.push_back(static_cast<int>(i));
   }
-  keep_outermost(places_, ForceCone::kMaxPoints, chosen_);
+  keep_outermost(places_, ForceCone::kMaxPoints, chosen_, headings_[at(t)]);
   for (std::size_t i = 0; i < chosen_.size(); ++i) contacts[i] = contacts[at(chosen_[i])];
   contacts.resize(chosen_.size());
 }
@@ -411,7 +413,8 @@ void FitDynamics::fill_cone(int t, Vector3d FitContactPlace::*towards, double sh
   frame.cone.clear();
   for (const FitContactPlace& place : contact_places_[at(t)]) {
     const Vector3d lever = place.position + share * place.*towards - com_[at(t)];
-    frame.cone.add_point(lever / scale_.length, options_.support_friction, place.normal);
+    frame.cone.add_point(lever / scale_.length, options_.support_friction, place.normal,
+                         headings_[at(t)]);
   }
   frame.dead_zone = std::lerp(CentroidalFrame::kDeadZone, kAnkleDeadZone, share);
 }
