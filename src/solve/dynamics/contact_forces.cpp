@@ -52,10 +52,9 @@ void ContactForces::solve(const InverseDynamics& dynamics, const TreeState& stat
                           std::span<const SupportPoint* const> points,
                           std::span<const ContactPlace> places) {
   count_ = points.size();
-  const Eigen::Vector3d forward = base_forward(state.world_from_link.front().rotation);
   for (std::size_t p = 0; p < count_; ++p) {
     levers_[p] = places[p].position - dynamics.com();
-    edges_[p] = friction_pyramid(kFriction, places[p].normal, forward);
+    edges_[p] = friction_pyramid(kFriction, places[p].normal);
     fill_jacobian(state, *points[p], places[p].position, jacobians_[p]);
   }
   const int unknowns = kEdges * static_cast<int>(count_);

@@ -14,7 +14,8 @@ namespace retarget {
 /// @param friction  friction coefficient.
 /// @param normal    surface normal, unit length.
 /// @param forward   horizontal direction, unit length: two edges lie in its plane with the normal.
-///     With the heading of the robot, results do not depend on the heading.
+///     With the heading of the robot, results do not depend on the heading. The metrics of
+///     dynamics keep x, because the tracking predictor was fitted to them.
 [[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(
     double friction, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ(),
     const Eigen::Vector3d& forward = Eigen::Vector3d::UnitX());
