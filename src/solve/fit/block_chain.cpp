@@ -2,23 +2,29 @@
 
 #include <algorithm>
 
-#include "base/math/simd.h"
+#include "base/math/four_doubles.h"
 #include "solve/fit/symmetric_inverse.h"
 
 namespace retarget {
 namespace {
 
-// Computes y = sign * a x.
-RETARGET_INLINE void multiply_plain(const double* __restrict a, const double* __restrict x,
-                                    double sign, int size, double* __restrict y) {
-  for (int j = 0; j < size; ++j) y[j] = 0.0;
-  for (int i = 0; i < size; ++i) {
-    const double* const row = a + static_cast<std::ptrdiff_t>(i) * size;
-    const double factor = sign * x[i];
-    for (int j = 0; j < size; ++j) y[j] += factor * row[j];
+// Computes y = sign * a x. Adds kInverseBlock rows at a time, so that y is loaded less often.
+template <class V>
+RETARGET_INLINE void multiply_plain(const double* a, const double* x, double sign, int size,
+                                    double* y) {
+  std::fill_n(y, size, 0.0);
+  for (int i = 0; i < size; i += kInverseBlock) {
+    const double* const rows = a + static_cast<std::ptrdiff_t>(i) * size;
+    for (int j = 0; j < size; j += kInverseBlock) {
+      V sum = V::load(y + j);
+      for (int p = 0; p < kInverseBlock; ++p) {
+        sum = sum + V::all(sign * x[i + p]) * V::load(rows + p * size + j);
+      }
+      sum.store(y + j);
+    }
   }
 }
-RETARGET_AVX2(multiply)
+RETARGET_FOUR(multiply)
 
 // Adds c n c to h, with c diagonal. Covers the lower triangle rounded up to whole blocks.
 RETARGET_INLINE void add_coupled_plain(const double* __restrict n, const double* __restrict c,
@@ -70,14 +76,14 @@ bool BlockChain::eliminate(int t) {
 }
 
 void BlockChain::substitute() {
-  std::vector<double>& coupled = scratch_;
+  double* const coupled = scratch_.data();
   for (int t = blocks_ - 2; t >= 0; --t) {
     double* const x = solution_.data() + index(t) * index(stride_);
     const double* const next = x + stride_;
     const double* const c = coupling(t + 1);
-    double* const correction = coupled.data() + stride_;
-    for (int j = 0; j < stride_; ++j) coupled[index(j)] = c[j] * next[j];
-    multiply(wide_, block(t), coupled.data(), 1.0, stride_, correction);
+    double* const correction = coupled + stride_;
+    for (int j = 0; j < stride_; ++j) coupled[j] = c[j] * next[j];
+    multiply(wide_, block(t), coupled, 1.0, stride_, correction);
     for (int j = 0; j < size_; ++j) x[j] += correction[j];
   }
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "base/math/aligned_allocator.h"
 #include "base/math/simd.h"
 
 namespace retarget {
@@ -52,7 +53,7 @@ class BlockChain {
   int stride_;
   bool wide_;
   int blocks_ = 0;
-  std::vector<double> inverse_, right_, coupling_, solution_, scratch_;
+  std::vector<double, AlignedAllocator<double>> inverse_, right_, coupling_, solution_, scratch_;
 };
 
 }  // namespace retarget

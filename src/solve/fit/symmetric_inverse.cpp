@@ -3,110 +3,134 @@
 #include <array>
 #include <cstddef>
 
-#include "base/math/simd.h"
+#include "base/math/four_doubles.h"
 
 namespace retarget {
 namespace {
 
 constexpr int kBlock = kInverseBlock;
-using Block = std::array<std::array<double, kBlock>, kBlock>;
+
+// kBlock rows of kBlock values.
+template <class V>
+using Block = std::array<V, kBlock>;
+
+// Loads the block at `from` of a matrix with rows of `stride` values.
+template <class V>
+RETARGET_INLINE Block<V> load(const double* from, int stride) {
+  return {V::load(from), V::load(from + stride), V::load(from + 2 * stride),
+          V::load(from + 3 * stride)};
+}
+
+template <class V>
+RETARGET_INLINE void store(const Block<V>& block, double* to, int stride) {
+  for (int i = 0; i < kBlock; ++i) block[i].store(to + i * stride);
+}
+
+// Copies the lower triangle to the upper one.
+template <class V>
+RETARGET_INLINE void mirror(Block<V>& block) {
+  for (int i = 0; i < kBlock; ++i) {
+    for (int j = 0; j < i; ++j) block[j].set(i, block[i][j]);
+  }
+}
 
 // Inverts a pivot block by unblocked sweeps. @return false if it is not positive definite.
-RETARGET_INLINE bool invert(Block& d) {
+template <class V>
+RETARGET_INLINE bool invert(Block<V>& d) {
   for (int k = 0; k < kBlock; ++k) {
     const double pivot = d[k][k];
     if (!(pivot > 0.0)) return false;
     const double inverse = 1.0 / pivot;
-    std::array<double, kBlock> column{};
-    for (int i = 0; i < kBlock; ++i) column[i] = d[i][k];
     for (int i = 0; i < kBlock; ++i) {
       if (i == k) continue;
-      const double factor = column[i] * inverse;
-      for (int j = 0; j < kBlock; ++j) {
-        if (j != k) d[i][j] -= factor * d[k][j];
-      }
-      d[i][k] = -factor;
+      const double factor = d[i][k] * inverse;
+      d[i] = d[i] - V::all(factor) * d[k];
+      d[i].set(k, -factor);
     }
-    for (int j = 0; j < kBlock; ++j) d[k][j] *= inverse;
-    d[k][k] = inverse;
+    d[k] = d[k] * V::all(inverse);
+    d[k].set(k, inverse);
   }
   return true;
 }
 
-// Writes the transpose of the 4 x 4 block at `from` to `to`.
-RETARGET_INLINE void transpose(const double* __restrict from, int from_stride,
-                               double* __restrict to, int to_stride) {
+// Columns of the pivot rows, before and after multiplication by the inverse of the pivot block.
+// Both have rows of `size` values.
+struct PivotRows {
+  double* before;
+  double* after;
+  int size;
+};
+
+// @param from  kBlock columns of the pivot rows, starting at column j.
+// @return these columns after the multiplication.
+template <class V>
+RETARGET_INLINE Block<V> multiply(const Block<V>& inverse, const Block<V>& from, int j,
+                                  const PivotRows& rows) {
+  Block<V> after;
   for (int i = 0; i < kBlock; ++i) {
-    for (int j = 0; j < kBlock; ++j) to[i * to_stride + j] = from[j * from_stride + i];
+    const V& d = inverse[i];
+    after[i] = V::all(d[0]) * from[0] + V::all(d[1]) * from[1] + V::all(d[2]) * from[2] +
+               V::all(d[3]) * from[3];
+  }
+  store(from, rows.before + j, rows.size);
+  store(after, rows.after + j, rows.size);
+  return after;
+}
+
+// Subtracts the product of pivot columns and pivot rows from the block at row i and column j.
+template <class V>
+RETARGET_INLINE void subtract_product(const PivotRows& rows, int i, int j, double* a) {
+  const int size = rows.size;
+  const Block<V> row = load<V>(rows.after + j, size);
+  for (int p = i; p < i + kBlock; ++p) {
+    const double* const factors = rows.before + p;
+    double* const to = a + static_cast<std::ptrdiff_t>(p) * size + j;
+    V sum = V::load(to);
+    for (int q = 0; q < kBlock; ++q) sum = sum - V::all(factors[q * size]) * row[q];
+    sum.store(to);
   }
 }
 
-// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count).
-// `count` is a multiple of kBlock: inner loops of constant length vectorise without remainders.
-RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restrict row1,
-                                      const double* __restrict b, const double* __restrict r, int i,
-                                      int size, int count) {
-  const double *r0 = r, *r1 = r + size, *r2 = r1 + size, *r3 = r2 + size;
-  const double f0 = b[i], f1 = b[size + i], f2 = b[2 * size + i], f3 = b[3 * size + i];
-  const double g0 = b[i + 1], g1 = b[size + i + 1], g2 = b[2 * size + i + 1],
-               g3 = b[3 * size + i + 1];
-  for (int j = 0; j < count; j += kBlock) {
-    for (int c = j; c < j + kBlock; ++c) {
-      row0[c] = row0[c] - f0 * r0[c] - f1 * r1[c] - f2 * r2[c] - f3 * r3[c];
-      row1[c] = row1[c] - g0 * r0[c] - g1 * r1[c] - g2 * r2[c] - g3 * r3[c];
-    }
-  }
-}
-
+template <class V>
 RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
-  double* const b = scratch;
-  double* const r = scratch + static_cast<std::ptrdiff_t>(kBlock) * size;
+  const PivotRows rows{scratch, scratch + static_cast<std::ptrdiff_t>(kBlock) * size, size};
+  const auto at = [&](int i, int j) { return a + static_cast<std::ptrdiff_t>(i) * size + j; };
   for (int k = 0; k < size; k += kBlock) {
-    Block d;
-    for (int p = 0; p < kBlock; ++p) {
-      for (int q = 0; q <= p; ++q) d[p][q] = d[q][p] = a[(k + p) * size + k + q];
+    Block<V> inverse = load<V>(at(k, k), size);
+    mirror(inverse);
+    if (!invert(inverse)) return false;
+    for (int j = 0; j < k; j += kBlock) {
+      store(multiply(inverse, load<V>(at(k, j), size), j, rows), at(k, j), size);
     }
-    if (!invert(d)) return false;
-    // `b` receives the pivot rows; `r` receives them multiplied by the inverse of the pivot block.
-    for (int p = 0; p < kBlock; ++p) {
-      double* const row = b + p * size;
-      const double* const from = a + (k + p) * size;
-      for (int j = 0; j < k; ++j) row[j] = from[j];
-      for (int j = k; j < k + kBlock; ++j) row[j] = 0.0;
-    }
-    for (int j = k + kBlock; j < size; j += kBlock) transpose(a + j * size + k, size, b + j, size);
-    for (int p = 0; p < kBlock; ++p) {
-      double* __restrict row = r + p * size;
-      const double* __restrict b0 = b, *b1 = b + size, *b2 = b1 + size, *b3 = b2 + size;
-      const double d0 = d[p][0], d1 = d[p][1], d2 = d[p][2], d3 = d[p][3];
-      for (int j = 0; j < size; j += kBlock) {
-        for (int c = j; c < j + kBlock; ++c)
-          row[c] = d0 * b0[c] + d1 * b1[c] + d2 * b2[c] + d3 * b3[c];
-      }
+    for (int j = k + kBlock; j < size; j += kBlock) {
+      Block<V> block = load<V>(at(j, k), size);
+      transpose(block);
+      block = multiply(inverse, block, j, rows);
+      transpose(block);
+      store(block, at(j, k), size);
     }
     for (int i = 0; i < size; i += kBlock) {
-      if (i == k) continue;
-      for (int p = 0; p < kBlock; p += 2) {
-        subtract_product(a + (i + p) * size, a + (i + p + 1) * size, b, r, i + p, size, i + kBlock);
+      for (int j = 0; i != k && j <= i; j += kBlock) {
+        if (j != k) subtract_product<V>(rows, i, j, a);
       }
     }
-    for (int p = 0; p < kBlock; ++p) {
-      double* const row = a + (k + p) * size;
-      for (int j = 0; j < k; ++j) row[j] = r[p * size + j];
-      for (int q = 0; q < kBlock; ++q) row[k + q] = -d[p][q];
-    }
-    for (int j = k + kBlock; j < size; j += kBlock) transpose(r + j, size, a + j * size + k, size);
+    for (V& row : inverse) row = -row;
+    store(inverse, at(k, k), size);
   }
   for (int i = 0; i < size; i += kBlock) {
-    for (int j = 0; j < i; j += kBlock) transpose(a + i * size + j, size, a + j * size + i, size);
-    for (int p = 0; p < kBlock; ++p) {
-      for (int q = 0; q < p; ++q) a[(i + q) * size + i + p] = a[(i + p) * size + i + q];
+    Block<V> block = load<V>(at(i, i), size);
+    mirror(block);
+    store(block, at(i, i), size);
+    for (int j = 0; j < i; j += kBlock) {
+      block = load<V>(at(i, j), size);
+      transpose(block);
+      store(block, at(j, i), size);
     }
   }
   return true;
 }
 
-RETARGET_AVX2(sweep)
+RETARGET_FOUR(sweep)
 
 }  // namespace
 

@@ -7,9 +7,9 @@ inline constexpr int kInverseBlock = 4;
 
 /// Replaces a symmetric positive definite matrix by minus its inverse. Sweeps blocks of four pivots
 /// at a time (Goodnight, "A tutorial on the SWEEP operator", 1979): the sweeps touch only one
-/// triangle and run along rows, so compilers vectorise them.
+/// triangle.
 ///
-/// @param a        size x size, row-major, 16-byte aligned. Reads the lower triangle and writes
+/// @param a        size x size, row-major, 8-byte aligned. Reads the lower triangle and writes
 ///     both.
 /// @param size     a multiple of kInverseBlock.
 /// @param scratch  2 * kInverseBlock * size values.
