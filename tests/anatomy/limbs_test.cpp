@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "support/built_humanoids.h"
 #include "support/humanoids.h"
 
@@ -109,6 +112,35 @@ TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
     EXPECT_NEAR((limbs->forward - forward).norm(), 0.0, 1e-9);
     const auto upright = robot_from_text(scramble_names(tiny_humanoid(true)));
     EXPECT_EQ(bodies_of(*limbs), bodies_of(*find_limbs(*upright, "")));
+  }
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  std::size_t at = text.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  for (; at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+// The anchor of a joint may be anywhere on its axis.
+TEST(FindLimbs, AnchorsDoNotTurnRobotsOffTheAxes) {
+  std::string text = scramble_names(tiny_humanoid(true));
+  for (const char* left_range : {"-0.5 1", "-0.3 2.5"}) {
+    const std::string range = std::string("range=\"") + left_range + "\"";
+    replace_all(text, range, "pos=\"0.3 0 0\" " + range);
+  }
+  for (const double degrees : {45.0, 20.0, -137.0}) {
+    const double half = 0.5 * degrees * std::numbers::pi / 180.0;
+    std::string turned = text;
+    replace_all(turned, "pos=\"0 0 0.55\"",
+                "pos=\"0 0 0.55\" quat=\"" + std::to_string(std::cos(half)) + " 0 0 " +
+                    std::to_string(std::sin(half)) + "\"");
+    const auto robot = robot_from_text(turned);
+    const auto limbs = find_limbs(*robot, "");
+    ASSERT_TRUE(limbs) << degrees << ": " << describe(limbs.error());
+    const Eigen::Vector3d forward(std::cos(2.0 * half), std::sin(2.0 * half), 0.0);
+    EXPECT_LT((limbs->forward - forward).norm(), 1e-5) << degrees;
   }
 }
 

@@ -163,6 +163,42 @@ TEST(ModelOverlaps, IncludeTheMirrorImage) {
   }
 }
 
+// A shape on a separate body that is fixed to a body.
+void add_fixed_geom(std::string& text, const std::string& body, const std::string& geom) {
+  add_geom(text, body, "<body name=\"" + body + "_shape\">" + geom + "</body>");
+}
+
+TEST(ModelOverlaps, MirrorBodiesThatHoldTheShapes) {
+  std::string text = tiny_humanoid(true);
+  add_geom(text, "torso", "<geom type=\"box\" pos=\"0 0 0.2\" size=\"0.05 0.1 0.1\"/>");
+  add_fixed_geom(text, "left_upper_arm",
+                 "<geom type=\"box\" pos=\"0 -0.022 -0.08\" size=\"0.03 0.03 0.03\"/>");
+  add_fixed_geom(text, "right_upper_arm",
+                 "<geom type=\"box\" pos=\"0 0.012 -0.08\" size=\"0.03 0.03 0.03\"/>");
+  const auto robot = robot_from_text(text);
+  EXPECT_EQ(names_of(*robot, overlaps_of(*robot)),
+            (Names{{"torso", "left_upper_arm_shape"}, {"torso", "right_upper_arm_shape"}}));
+}
+
+TEST(AllowedContacts, IncludeShapesFixedToNeighbours) {
+  std::string text = tiny_humanoid(true);
+  add_fixed_geom(text, "torso", "<geom size=\"0.02\"/>");
+  add_fixed_geom(text, "left_shoulder_roll", "<geom size=\"0.02\"/>");
+  add_fixed_geom(text, "left_upper_arm", "<geom size=\"0.02\"/>");
+  const auto robot = robot_from_text(text);
+  const auto allowed =
+      find_allowed_contacts(*robot, find_limbs(*robot, "").value(), {}, Poses{}).pairs;
+  const auto pair = [&](const char* a, const char* b) {
+    return std::pair(robot->find_body(a).value(), robot->find_body(b).value());
+  };
+  EXPECT_THAT(allowed, Contains(pair("torso", "left_shoulder_roll")));
+  EXPECT_THAT(allowed, Contains(pair("torso_shape", "left_shoulder_roll_shape")));
+  // Three joints apart.
+  EXPECT_THAT(allowed, Not(Contains(pair("torso_shape", "left_upper_arm_shape"))));
+  // The torso itself has no shape.
+  EXPECT_THAT(allowed, Not(Contains(pair("torso", "left_shoulder_roll_shape"))));
+}
+
 TEST(AllowedContacts, UseTheExclusionsOfTheModel) {
   const TemporaryFolder folder;
   std::string text = with_thick_thighs();

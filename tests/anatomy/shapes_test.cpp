@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "retarget/shape_distance.h"
 #include "robot/anatomy/bare_robot.h"
@@ -160,6 +161,82 @@ TEST(MeshPoints, GiveBodiesTheirOwnShapes) {
     EXPECT_LT(shape.radius, 0.05);
   }
   EXPECT_GE(count, 1);
+}
+
+// Names of the bodies with estimated shapes; the model has no meshes.
+std::set<std::string> estimated_bodies(const std::string& text) {
+  const auto robot = robot_from_text(text);
+  const auto limbs = find_limbs(*robot, "");
+  EXPECT_TRUE(limbs.has_value());
+  std::set<std::string> names;
+  if (!limbs) return names;
+  for (const RoughShape& rough : find_shapes(*robot, *limbs, {}).shapes) {
+    if (rough.source == ShapeSource::kEstimated) {
+      names.insert(robot->bodies()[rough.shape.body].name);
+    }
+  }
+  return names;
+}
+
+std::string with_child(std::string text, const std::string& body, const std::string& geom) {
+  const std::string key = "<body name=\"" + body + "\"";
+  text.insert(text.find('>', text.find(key)) + 1,
+              "<body name=\"" + body + "_shape\">" + geom + "</body>");
+  return text;
+}
+
+TEST(FindShapes, CountShapesOfFixedBodies) {
+  using ::testing::Contains;
+  using ::testing::Not;
+  const std::string text = tiny_humanoid(true);
+  ASSERT_THAT(estimated_bodies(text), Contains("left_thigh"));
+  ASSERT_THAT(estimated_bodies(text), Contains("left_forearm"));
+  const std::string capsule =
+      "<geom type=\"capsule\" fromto=\"0 0 -0.03 0 0 -0.16\" size=\"0.03\"/>";
+  const auto thigh = estimated_bodies(with_child(text, "left_thigh", capsule));
+  EXPECT_THAT(thigh, Not(Contains("left_thigh")));
+  EXPECT_THAT(thigh, Contains("right_thigh"));
+  // The hand is fixed to the forearm but does not cover it.
+  EXPECT_THAT(estimated_bodies(with_child(text, "left_hand", "<geom size=\"0.03\"/>")),
+              Contains("left_forearm"));
+}
+
+TEST(FindShapes, SolesOfFixedBodiesAreTheFeet) {
+  const std::string box = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
+  std::string text = tiny_humanoid(true);
+  std::size_t at = 0;
+  for (const std::string side : {"left", "right"}) {
+    at = text.find(box, at);
+    ASSERT_NE(at, std::string::npos);
+    const std::string sole = "<body name=\"" + side + "_sole\">" + box + "</body>";
+    text.replace(at, box.size(), sole);
+    at += sole.size();
+  }
+  EXPECT_THAT(estimated_bodies(text), ::testing::Not(::testing::Contains("left_foot")));
+}
+
+// A visual mesh whose collision shape is on a body fixed to its own.
+TEST(MeshPoints, AreNotFittedWhereShapesOfFixedBodiesAre) {
+  const TemporaryFolder folder;
+  write_below(folder, "assets/foot.obj", box_obj({-60, -35, -70}, {130, 35, -20}));
+  write_below(folder, "assets/thigh.obj", box_obj({-0.03, -0.03, -0.2}, {0.03, 0.03, 0.0}));
+  std::string text = with_mesh_feet();
+  text.insert(text.find("<mesh name=\"head\""), "<mesh name=\"thigh\" file=\"thigh.obj\"/>");
+  for (const char* side : {"left", "right"}) {
+    const std::string thigh = std::string("<body name=\"") + side + "_thigh\">";
+    text.insert(text.find(thigh) + thigh.size(),
+                "<geom type=\"mesh\" mesh=\"thigh\" contype=\"0\" conaffinity=\"0\"/>");
+  }
+  text = with_child(text, "left_thigh",
+                    "<geom type=\"box\" pos=\"0 0 -0.1\" size=\"0.03 0.03 0.1\"/>");
+  text = with_child(text, "right_thigh", "<geom pos=\"0 0 -0.18\" size=\"0.02\"/>");
+  const CompletedRobot completed = completed_from(folder.write("robot.xml", text));
+  const auto count = [&](const char* body) {
+    return std::ranges::count(completed.robot->collision_shapes(),
+                              completed.robot->find_body(body).value(), &CollisionShape::body);
+  };
+  EXPECT_EQ(count("left_thigh"), 0);
+  EXPECT_GT(count("right_thigh"), 0);
 }
 
 }  // namespace

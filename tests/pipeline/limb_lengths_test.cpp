@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include <array>
 #include <new>
 #include <random>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "solve/targets/targets.h"
 #include "support/limbed_config.h"
@@ -76,6 +79,69 @@ TEST(RobotLimbs, AreMeasuredBetweenAxisIntersections) {
   EXPECT_LT((centre("RightFootMod") - Eigen::Vector3d(-0.03, 0, 0)).norm(), 2e-2);
   EXPECT_LT((centre("Hips") - Eigen::Vector3d(0, 0, -0.1)).norm(), 2e-3);
   EXPECT_EQ(limbs->ankle_height, std::nullopt);
+}
+
+void replace_once(std::string& text, const std::string& from, const std::string& to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  text.replace(text.find(from), from.size(), to);
+}
+
+// The origins of shins and forearms are away from their joints, which are in frames above them, as
+// `robots add` writes joints with an offset.
+std::string with_joint_frames() {
+  const std::string joint = "<joint axis=\"0 1 0\" range=\"-1 1\"/><geom/>";
+  std::string text = kLimbed;
+  for (const std::string side : {"l_", "r_"}) {
+    const auto frame = [&](const std::string& body, const std::string& at) {
+      replace_once(text, "<body name=\"" + side + body + "\" pos=\"" + at + "\">" + joint,
+                   "<body name=\"" + side + body + "_frame\" pos=\"" + at + "\">" + joint +
+                       "<body name=\"" + side + body + "\" pos=\"0 -0.04 0.05\"><geom/>");
+    };
+    frame("shin", "0 0 -0.18");
+    replace_once(text, side + "ankle\" pos=\"0 0 -0.25\"", side + "ankle\" pos=\"0 0.04 -0.3\"");
+    const std::string foot = side + "foot\" pos=\"0.03 0 0\"><joint axis=\"1 0 0\"";
+    replace_once(text, foot + " range=\"-1 1\"/><geom/></body>",
+                 foot + " range=\"-1 1\"/><geom/></body></body>");
+    frame("elbow", "0 0 -0.2");
+    replace_once(text, side + "hand\" pos=\"0 0 -0.15\"><geom/></body>",
+                 side + "hand\" pos=\"0 0.04 -0.2\"><geom/></body></body>");
+  }
+  return text;
+}
+
+TEST(RobotLimbs, JointFramesBelongToTheBodiesBelowThem) {
+  const auto plain = robot_from_text(kLimbed);
+  const auto expected = robot_limbs(*plain, resolved(limbed_config(), *plain));
+  const auto bare = robot_from_text(with_joint_frames());
+  RobotProfile profile = bare->profile();
+  profile.joint_frames = {"l_shin_frame", "r_shin_frame", "l_elbow_frame", "r_elbow_frame"};
+  const Robot robot(ModelPtr(mj_copyModel(nullptr, bare->model())), std::move(profile));
+  const auto limbs = robot_limbs(robot, resolved(limbed_config(), robot));
+  ASSERT_TRUE(limbs) << describe(limbs.error());
+  EXPECT_NEAR(limbs->lengths.leg, expected->lengths.leg, 1e-9);
+  EXPECT_NEAR(limbs->lengths.arm, expected->lengths.arm, 1e-9);
+  EXPECT_NEAR(limbs->lengths.trunk, expected->lengths.trunk, 1e-9);
+  for (const char* bone : {"LeftLeg", "RightLeg", "LeftForeArm", "RightForeArm"}) {
+    const Eigen::Vector3d& joint = limbs->body_from_joint[bone_from_name(bone).value()];
+    EXPECT_LT((joint - Eigen::Vector3d(0, 0.04, -0.05)).norm(), 1e-9) << bone;
+  }
+}
+
+// The anchor of the joint that twists the forearm is at the elbow, so the origin of its body marks
+// the wrist, but only along the forearm.
+TEST(RobotLimbs, WristsAreOnTheAxisThatTwistsTheForearm) {
+  std::string text = kLimbed;
+  for (const std::string side : {"l_", "r_"}) {
+    replace_once(text, side + "hand\" pos=\"0 0 -0.15\"><geom/>",
+                 side +
+                     "hand\" pos=\"0.03 0 -0.15\"><geom/>"
+                     "<joint axis=\"0 0 1\" range=\"-1 1\" pos=\"-0.03 0 0.15\"/>");
+  }
+  const auto robot = robot_from_text(text);
+  const auto limbs = robot_limbs(*robot, resolved(limbed_config(), *robot));
+  ASSERT_TRUE(limbs) << describe(limbs.error());
+  const Eigen::Vector3d& wrist = limbs->body_from_joint[bone_from_name("LeftHand").value()];
+  EXPECT_LT((wrist - Eigen::Vector3d(-0.03, 0, 0)).norm(), 1e-9);
 }
 
 TEST(RobotLegLength, DoesNotNeedArms) {

@@ -17,13 +17,26 @@ constexpr std::size_t kWholeLimb = 4;
 
 std::vector<std::pair<int, int>> neighbours(const Robot& robot) {
   const KinematicTree& tree = robot.tree();
+  std::vector<bool> has_shape(robot.bodies().size(), false);
+  for (const CollisionShape& shape : robot.collision_shapes()) has_shape[shape.body] = true;
   std::vector<std::pair<int, int>> pairs;
+  // A link's shapes may be on bodies fixed to it.
+  const auto add = [&](int above, int below) {
+    pairs.emplace_back(above, below);
+    const std::vector<int> lower = tree.rigid_group(below);
+    for (const int a : tree.rigid_group(above)) {
+      for (const int b : lower) {
+        const bool is_link_pair = a == above && b == below;
+        if (has_shape[a] && has_shape[b] && !is_link_pair) pairs.emplace_back(a, b);
+      }
+    }
+  };
   for (int body = 1; body < static_cast<int>(robot.bodies().size()); ++body) {
     if (tree.carrier(body) != body) continue;
     int above = body;
     for (int i = 0; i < kNeighbours && above != robot.root_body(); ++i) {
       above = tree.carrier(robot.bodies()[above].parent);
-      pairs.emplace_back(above, body);
+      add(above, body);
     }
   }
   return pairs;
@@ -122,14 +135,26 @@ double lowest_joint(const TreeState& posed, int first) {
 }
 
 // Returns the horizontal unit vector from one chain to the other; zero if one is directly above the
-// other.
+// other. An anchor may be anywhere on its joint's axis, so the vector comes from the distances
+// between parallel axes where there are any (hips that roll or turn, but not knees).
 Eigen::Vector3d level_way(const TreeState& posed, const std::vector<int>& to,
                           const std::vector<int>& from) {
-  Eigen::Vector3d way = Eigen::Vector3d::Zero();
-  for (const int joint : to) way += posed.anchor(joint);
-  for (const int joint : from) way -= posed.anchor(joint);
-  way.z() = 0.0;
-  return way.norm() > 0.0 ? Eigen::Vector3d(way.normalized()) : way;
+  constexpr double kParallel = 0.99;  // Cosine.
+  constexpr double kLeast = 0.02;     // Fraction of the distance between the anchors.
+  Eigen::Vector3d between_anchors = Eigen::Vector3d::Zero();
+  Eigen::Vector3d between_axes = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    Eigen::Vector3d gap = posed.anchor(to[i]) - posed.anchor(from[i]);
+    gap.z() = 0.0;
+    between_anchors += gap;
+    const Eigen::Vector3d& axis = posed.axis(to[i]);
+    if (std::abs(axis.dot(posed.axis(from[i]))) < kParallel) continue;
+    Eigen::Vector3d level(axis.x(), axis.y(), 0.0);
+    level = level.norm() > kLeast ? level.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    between_axes += gap - gap.dot(level) * level;
+  }
+  const bool known = between_axes.norm() > kLeast * between_anchors.norm();
+  return (known ? between_axes : between_anchors).stableNormalized();
 }
 
 // Returns the common part of two chains that end differently: up to the last fork of either, beyond

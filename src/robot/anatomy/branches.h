@@ -12,7 +12,8 @@
 namespace retarget {
 
 /// Returns the pairs of moving bodies at most two joints apart in the tree. They overlap by design,
-/// so their contact is allowed. The body nearer to the root comes first.
+/// so their contact is allowed. Bodies fixed to such a body follow if they have shapes
+/// (Robot::collision_shapes). The body nearer to the root comes first.
 [[nodiscard]] std::vector<std::pair<int, int>> neighbours(const Robot& robot);
 
 /// Returns the joints of a branch from its first link outwards. At a fork the chain follows the

@@ -144,6 +144,24 @@ std::array<Part, 2> split(const Part& whole) {
 
 }  // namespace
 
+double diagonal_of(const std::vector<Vector3d>& points) {
+  Eigen::AlignedBox3d around;
+  for (const Vector3d& point : points) around.extend(point);
+  return around.diagonal().norm();
+}
+
+CollisionShape box_around(int body, const std::vector<Vector3d>& points,
+                          const Eigen::Matrix3d& axes) {
+  Eigen::AlignedBox3d around;
+  for (const Vector3d& point : points) around.extend(axes.transpose() * point);
+  CollisionShape box;
+  box.type = CollisionShape::Type::kBox;
+  box.body = body;
+  box.half_size = 0.5 * around.sizes().cwiseMax(2e-3);
+  box.body_from_shape = {Eigen::Quaterniond(axes), axes * around.center()};
+  return box;
+}
+
 std::vector<Vector3d> thinned(const std::vector<Vector3d>& points, double cell) {
   std::set<std::array<std::int64_t, 3>> taken;
   std::vector<Vector3d> kept;

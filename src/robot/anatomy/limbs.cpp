@@ -8,7 +8,6 @@
 
 #include "base/try.h"
 #include "retarget/kinematic_tree.h"
-#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/anatomy/branches.h"
 #include "robot/anatomy/limb_shape.h"

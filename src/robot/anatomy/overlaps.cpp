@@ -23,7 +23,9 @@ class BodyMirror {
       : tree_(robot.tree()),
         posed_(robot.tree(), reference_configuration(robot)),
         left_(limbs.left),
+        has_shape_(robot.bodies().size(), false),
         images_(robot.bodies().size(), -1) {
+    for (const CollisionShape& shape : robot.collision_shapes()) has_shape_[shape.body] = true;
     const auto root = [&](std::size_t side) {
       return posed_.anchor(limbs.arms[side].joints.front());
     };
@@ -50,13 +52,19 @@ class BodyMirror {
   const KinematicTree& tree_;
   TreeState posed_;
   Eigen::Vector3d left_, middle_;
+  std::vector<bool> has_shape_;
   std::vector<int> images_;
 };
 
 void BodyMirror::mirror_group(const std::vector<int>& bodies, const std::vector<int>& others) {
   const auto place = [&](int body) { return posed_.world_from_body(body).translation; };
+  // Of bodies at one place, the one with shapes mirrors the one with shapes.
+  std::vector<int> shaped_first = others;
+  std::stable_partition(shaped_first.begin(), shaped_first.end(),
+                        [&](int body) { return has_shape_[body]; });
   for (const int body : bodies) {
-    if (const auto image = nearest(place(body), others, place)) images_[body] = *image;
+    const auto image = nearest(place(body), has_shape_[body] ? shaped_first : others, place);
+    if (image) images_[body] = *image;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <mujoco/mujoco.h>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
@@ -50,23 +51,15 @@ void take_touching_points(const std::vector<Eigen::Vector3d>& touching,
   }
 }
 
-// Returns the bounding box of points with the given axes.
-CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
-                          const Eigen::Matrix3d& axes) {
-  Eigen::AlignedBox3d around;
-  for (const Eigen::Vector3d& point : points) around.extend(axes.transpose() * point);
-  CollisionShape box;
-  box.type = Type::kBox;
-  box.body = body;
-  box.half_size = 0.5 * around.sizes().cwiseMax(2e-3);
-  box.body_from_shape = {Eigen::Quaterniond(axes), axes * around.center()};
-  return box;
-}
-
 class ShapeFinder {
  public:
   ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh)
-      : robot_(robot), limbs_(limbs), mesh_(mesh.bodies), mesh_files_(mesh), tree_(robot.tree()) {}
+      : robot_(robot),
+        limbs_(limbs),
+        mesh_(mesh.bodies),
+        mesh_files_(mesh),
+        tree_(robot.tree()),
+        posed_(tree_, reference_configuration(robot)) {}
 
   RobotShapes find();
 
@@ -76,6 +69,9 @@ class ShapeFinder {
   void estimate_segments();
   void find_sole(std::size_t side);
   [[nodiscard]] bool has_shape(int body) const;
+  [[nodiscard]] std::vector<RoundedShape> shapes_fixed_to(int body) const;
+  [[nodiscard]] bool is_covered(int body, std::span<const Eigen::Vector3d> points,
+                                double within) const;
   [[nodiscard]] std::vector<Eigen::Vector3d> foot_points(const LimbPart& foot) const;
   [[nodiscard]] double leg_length() const {
     return limbs_.legs[0].upper_length + limbs_.legs[0].lower_length;
@@ -86,12 +82,41 @@ class ShapeFinder {
   const BodyPoints& mesh_;
   const MeshPoints& mesh_files_;
   const KinematicTree& tree_;
+  TreeState posed_;
   RobotShapes found_;
 };
 
 bool ShapeFinder::has_shape(int body) const {
   return std::ranges::any_of(found_.shapes,
                              [&](const RoughShape& rough) { return rough.shape.body == body; });
+}
+
+// Returns the shapes of the bodies that move with a body, in its frame.
+std::vector<RoundedShape> ShapeFinder::shapes_fixed_to(int body) const {
+  std::vector<RoundedShape> shapes;
+  const Pose body_from_world = posed_.world_from_body(body).inverse();
+  for (const RoughShape& rough : found_.shapes) {
+    const int part = rough.shape.body;
+    if (tree_.carrier(part) != tree_.carrier(body)) continue;
+    shapes.push_back(place(rough.shape, body_from_world * posed_.world_from_body(part)));
+  }
+  return shapes;
+}
+
+// Returns true if a body needs no further shape: it has one, or those of the bodies fixed to it are
+// within a distance of most of its points. A hand at the end of a forearm does not cover it.
+bool ShapeFinder::is_covered(int body, std::span<const Eigen::Vector3d> points,
+                             double within) const {
+  if (has_shape(body)) return true;
+  const std::vector<RoundedShape> shapes = shapes_fixed_to(body);
+  const auto is_near = [&](const Eigen::Vector3d& point) {
+    RoundedShape probe;
+    probe.centre = point;
+    return std::ranges::any_of(shapes, [&](const RoundedShape& shape) {
+      return shape_distance(probe, shape).distance < within;
+    });
+  };
+  return 2 * std::ranges::count_if(points, is_near) > std::ssize(points);
 }
 
 void ShapeFinder::keep_model_shapes() {
@@ -118,11 +143,17 @@ void ShapeFinder::keep_model_shapes() {
 void ShapeFinder::fit_meshes() {
   constexpr double kFinest = 0.005, kCoarser = 1.3;  // Cell size in metres; growth factor.
   constexpr std::size_t kEnough = 1000;
+  constexpr double kSparse = 0.02;  // Metres.
+  constexpr double kNear = 0.05;    // Fraction of the mesh's diagonal.
+  // Added at the end: the mesh of one part does not replace that of another.
+  std::vector<RoughShape> fitted;
   for (std::size_t b = 1; b < mesh_.size(); ++b) {
     const int body = static_cast<int>(b);
-    if (mesh_[b].size() < 4 || has_shape(body)) continue;
+    if (mesh_[b].size() < 4) continue;
+    const std::vector<Eigen::Vector3d> sparse = thinned(mesh_[b], kSparse);
+    if (is_covered(body, sparse, kNear * diagonal_of(sparse))) continue;
     const auto add = [&](const CollisionShape& shape) {
-      found_.shapes.push_back({shape, ShapeSource::kMesh});
+      fitted.push_back({shape, ShapeSource::kMesh});
     };
     const auto foot = std::ranges::find_if(
         limbs_.legs, [&](const Limb& leg) { return leg.end && body == leg.end->body; });
@@ -145,13 +176,18 @@ void ShapeFinder::fit_meshes() {
       for (const CollisionShape& capsule : capsules) add(capsule);
     }
   }
+  found_.shapes.insert(found_.shapes.end(), fitted.begin(), fitted.end());
 }
 
 // Adds capsules along limb segments whose bodies have no shape.
 void ShapeFinder::estimate_segments() {
   const auto add = [&](const LimbPart& part, double length) {
-    if (has_shape(part.body)) return;
     const Eigen::Vector3d along = part.body_from_bone.col(0);
+    std::vector<Eigen::Vector3d> on_bone;
+    for (const double share : {0.25, 0.5, 0.75}) {
+      on_bone.emplace_back(part.joint + share * length * along);
+    }
+    if (is_covered(part.body, on_bone, kRadius * length)) return;
     CollisionShape capsule;
     capsule.type = Type::kCapsule;
     capsule.body = part.body;
@@ -174,10 +210,9 @@ void ShapeFinder::estimate_segments() {
 std::vector<Eigen::Vector3d> ShapeFinder::foot_points(const LimbPart& foot) const {
   const Eigen::Vector3d up = foot.body_from_bone.col(1);
   std::vector<Eigen::Vector3d> points;
-  const TreeState posed(tree_, reference_configuration(robot_));
-  const Pose foot_from_world = posed.world_from_body(foot.body).inverse();
+  const Pose foot_from_world = posed_.world_from_body(foot.body).inverse();
   for (const int part : tree_.rigid_group(foot.body)) {
-    const Pose foot_from_part = foot_from_world * posed.world_from_body(part);
+    const Pose foot_from_part = foot_from_world * posed_.world_from_body(part);
     for (const RoughShape& rough : found_.shapes) {
       if (rough.shape.body != part || rough.source != ShapeSource::kModel) continue;
       for (const Eigen::Vector3d& point : core_points(rough.shape)) {
@@ -188,7 +223,7 @@ std::vector<Eigen::Vector3d> ShapeFinder::foot_points(const LimbPart& foot) cons
   if (!points.empty()) return points;
   for (const int part : tree_.rigid_group(foot.body)) {
     if (static_cast<std::size_t>(part) >= mesh_.size()) continue;
-    const Pose foot_from_part = foot_from_world * posed.world_from_body(part);
+    const Pose foot_from_part = foot_from_world * posed_.world_from_body(part);
     for (const Eigen::Vector3d& point : mesh_[part]) points.push_back(foot_from_part * point);
   }
   return points;
@@ -214,6 +249,9 @@ void ShapeFinder::find_sole(std::size_t side) {
     upper = upper.cwiseMax(local);
   }
   const bool is_area = points.size() >= 3 && upper.x() - lower.x() > 0.05 * leg_length();
+  const bool of_model = std::ranges::any_of(found_.shapes, [&](const RoughShape& rough) {
+    return tree_.carrier(rough.shape.body) == foot.body && rough.source == ShapeSource::kModel;
+  });
   if (!is_area) {
     // The foot is unknown, or touches the floor in a point or a line.
     const double length = kFootLength * leg_length();
@@ -221,11 +259,7 @@ void ShapeFinder::find_sole(std::size_t side) {
     lower = {-kHeelShare * length, lowest, -0.5 * kFootWidth * leg_length()};
     upper = {(1.0 - kHeelShare) * length, lowest, 0.5 * kFootWidth * leg_length()};
     found_.sole_source = ShapeSource::kEstimated;
-  } else if (found_.sole_source == ShapeSource::kModel &&
-             std::ranges::none_of(found_.shapes, [&](const RoughShape& rough) {
-               return tree_.carrier(rough.shape.body) == foot.body &&
-                      rough.source == ShapeSource::kModel;
-             })) {
+  } else if (found_.sole_source == ShapeSource::kModel && !of_model) {
     found_.sole_source = ShapeSource::kMesh;
   }
   Sole sole;
@@ -242,7 +276,7 @@ void ShapeFinder::find_sole(std::size_t side) {
   }
   found_.ankle_height += 0.5 * -lowest;
   found_.soles.push_back(sole);
-  if (!has_shape(foot.body)) {
+  if (!has_shape(foot.body) && !(is_area && of_model)) {
     const double top = std::max(0.5 * -lowest, 1e-3);
     std::vector<Eigen::Vector3d> box = sole.points;
     for (const Eigen::Vector3d& point : sole.points) box.emplace_back(point + top * axes.col(1));

@@ -55,8 +55,9 @@ struct RobotShapes {
 
 /// Finds soles and shapes. The model's own contact primitives are kept (cylinders become capsules).
 /// A body without any gets up to three capsules around its mesh, a foot a box, the trunk whichever
-/// has less volume. Without meshes, limb segments and feet get shapes of human proportions. A sole
-/// is the lowest part of a level foot, as four points: the touching points nearest to its corners.
+/// has less volume. Without meshes, limb segments and feet get shapes of human proportions. Shapes
+/// of bodies fixed to a body count as its own where they cover its mesh or segment. A sole is the
+/// lowest part of a level foot, as four points: the touching points nearest to its corners.
 [[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs,
                                       const MeshPoints& mesh);
 
@@ -65,6 +66,14 @@ struct RobotShapes {
 /// @param cell  edge length of a grid cell, in the points' unit.
 [[nodiscard]] std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points,
                                                    double cell);
+
+/// Returns the diagonal of the points' bounding box along the axes.
+[[nodiscard]] double diagonal_of(const std::vector<Eigen::Vector3d>& points);
+
+/// Returns the bounding box of points in a body's frame.
+/// @param axes  the columns are the box's axes, in the body's frame.
+[[nodiscard]] CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
+                                        const Eigen::Matrix3d& axes);
 
 /// Fits one to three capsules (or spheres) tightly around surface points. Another capsule is added
 /// only if it reduces the volume considerably. Each capsule has the smallest volume found by a

@@ -118,13 +118,12 @@ class ModelChecker {
 
 Failure fault(const XMLElement& element, const Place& place, const std::string& message,
               std::string hint = {}) {
-  Error error;
-  error.kind = ErrorKind::kConfig;
-  error.location.file = place.file;
-  error.location.line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
-  error.message = fmt::format("<{}> {}", element.Name(), message);
-  error.hint = std::move(hint);
-  return failure(std::move(error));
+  const auto line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
+  return failure({ErrorKind::kConfig,
+                  {place.file, line, 0},
+                  fmt::format("<{}> {}", element.Name(), message),
+                  {},
+                  std::move(hint)});
 }
 
 double ModelChecker::total() const {

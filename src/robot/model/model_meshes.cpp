@@ -23,15 +23,11 @@ using tinyxml2::XMLElement;
 
 // Parses three numbers; returns `otherwise` if the attribute is missing or malformed.
 Vector3d vector_of(const XMLElement* element, const char* name, const Vector3d& otherwise) {
-  constexpr std::string_view kBlank = " \t\r\n";
   const std::string text = attribute_of(element, name);
   std::string_view rest = text;
   Vector3d vector;
   for (double& value : vector) {
-    rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
-    const std::string_view word = rest.substr(0, rest.find_first_of(kBlank));
-    rest.remove_prefix(word.size());
-    const auto number = number_from_text(word);
+    const auto number = number_from_text(take_word(rest));
     if (!number) return otherwise;
     value = *number;
   }

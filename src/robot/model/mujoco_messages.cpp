@@ -11,7 +11,6 @@
 
 #include "base/parse_xml.h"
 #include "retarget/file.h"
-#include "retarget/text.h"
 
 namespace retarget {
 namespace {

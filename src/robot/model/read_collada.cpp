@@ -27,19 +27,15 @@ constexpr std::size_t kMostTriangles = 20'000'000;
 
 template <typename Number>
 std::optional<std::vector<Number>> numbers_of(const XMLElement* element) {
-  constexpr std::string_view kBlank = " \t\r\n";
   const char* raw = element == nullptr ? nullptr : element->GetText();
   std::string_view text = raw == nullptr ? std::string_view() : raw;
   std::vector<Number> numbers;
-  while (true) {
-    text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
-    if (text.empty()) return numbers;
-    const std::string_view word = text.substr(0, text.find_first_of(kBlank));
-    text.remove_prefix(word.size());
+  for (auto word = take_word(text); !word.empty(); word = take_word(text)) {
     const auto number = parse_number<Number>(word);
     if (!number) return std::nullopt;
     numbers.push_back(*number);
   }
+  return numbers;
 }
 
 // Returns the id in a `url="#name"` reference.

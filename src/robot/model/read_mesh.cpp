@@ -141,20 +141,10 @@ namespace {
 
 constexpr std::size_t kStlHead = 84, kStlTriangle = 50;
 
-// Removes the next word from a text and returns it.
-std::string_view next_word(std::string_view& text) {
-  constexpr std::string_view kBlank = " \t\r\n";
-  const std::size_t begin = std::min(text.find_first_not_of(kBlank), text.size());
-  const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(end);
-  return word;
-}
-
 std::optional<Eigen::Vector3d> next_point(std::string_view& text) {
   Eigen::Vector3d point;
   for (double& value : point) {
-    const auto number = parse_number<double>(next_word(text));
+    const auto number = parse_number<double>(take_word(text));
     if (!number) return std::nullopt;
     value = *number;
   }
@@ -200,7 +190,7 @@ TriangleMesh read_binary_stl(std::string_view bytes) {
 Result<TriangleMesh> read_text_stl(std::string_view text, const std::string& file) {
   TriangleMesh mesh;
   while (!text.empty()) {
-    if (next_word(text) != "vertex") continue;
+    if (take_word(text) != "vertex") continue;
     const auto point = next_point(text);
     if (!point) return input_failure(file, "expected three numbers after \"vertex\"");
     mesh.vertices.push_back(*point);
@@ -224,17 +214,10 @@ Result<TriangleMesh> read_obj(std::string_view text, const std::string& file) {
   std::size_t number = 0;
   while (!text.empty()) {
     ++number;
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    const std::string_view what = next_word(line);
+    std::string_view line = take_until(text, '\n');
+    const std::string_view what = take_word(line);
     const auto bad = [&](const char* message) {
-      Error error;
-      error.kind = ErrorKind::kInput;
-      error.location.file = file;
-      error.location.line = number;
-      error.message = message;
-      return failure(std::move(error));
+      return failure({ErrorKind::kInput, {file, number, 0}, message, {}, {}});
     };
     if (what == "v") {
       const auto point = next_point(line);
@@ -242,7 +225,7 @@ Result<TriangleMesh> read_obj(std::string_view text, const std::string& file) {
       mesh.vertices.push_back(*point);
     } else if (what == "f") {
       std::vector<int> corners;
-      for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
+      for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
         const auto corner = corner_of(word, mesh.vertices.size());
         if (!corner) return bad("expected indices of preceding vertices");
         corners.push_back(*corner);

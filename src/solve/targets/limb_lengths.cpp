@@ -50,8 +50,13 @@ class RobotMeasure {
   struct Chain {
     std::vector<int> path;
     std::size_t lower = 0;  // Index of the lower bone's body in `path`.
+    std::size_t bend = 0;   // Index of the first body with the lower bone's joints: `lower`, or its
+                            // first joint frame (RobotProfile::joint_frames).
   };
   [[nodiscard]] bool has_forearms() const;
+  [[nodiscard]] bool is_joint_frame(int body) const {
+    return std::ranges::count(robot_.profile().joint_frames, robot_.bodies()[body].name) > 0;
+  }
   // A limb on both sides: mid-point of the first joints, vector from the right to the left one, and
   // mean length.
   struct Pair {
@@ -66,11 +71,12 @@ class RobotMeasure {
   // Joints of the bodies [begin, end) of a path, from the trunk outwards.
   [[nodiscard]] std::vector<int> joints_of(const std::vector<int>& path, std::size_t begin,
                                            std::size_t end) const;
-  [[nodiscard]] Eigen::Vector3d root_of(const std::vector<int>& path, std::size_t begin,
-                                        std::size_t lower, const Eigen::Vector3d& middle) const;
-  [[nodiscard]] Eigen::Vector3d end_of(const std::vector<int>& path, std::size_t lower,
-                                       const Eigen::Vector3d& middle,
+  [[nodiscard]] Eigen::Vector3d root_of(const Chain& chain, std::size_t begin,
+                                        const Eigen::Vector3d& middle) const;
+  [[nodiscard]] Eigen::Vector3d end_of(const Chain& chain, const Eigen::Vector3d& middle,
                                        const Eigen::Vector3d& root) const;
+  [[nodiscard]] Eigen::Vector3d off_last_axis(const std::vector<int>& path,
+                                              const std::vector<int>& joints) const;
   [[nodiscard]] Eigen::Vector3d centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                  std::size_t end) const;
   void note(Bone bone, const Eigen::Vector3d& centre);
@@ -104,23 +110,37 @@ Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std
 
 // Centre of a limb's first joint: centre_of_joints() without joints that belong to the knee or
 // elbow, which may have two hinges.
-Eigen::Vector3d RobotMeasure::root_of(const std::vector<int>& path, std::size_t begin,
-                                      std::size_t lower, const Eigen::Vector3d& middle) const {
-  std::vector<int> joints = joints_of(path, begin, lower);
+Eigen::Vector3d RobotMeasure::root_of(const Chain& chain, std::size_t begin,
+                                      const Eigen::Vector3d& middle) const {
+  std::vector<int> joints = joints_of(chain.path, begin, chain.bend);
   std::ranges::reverse(joints);
   const std::size_t at_middle = joints_at_middle(posed_, joints, middle);
-  if (at_middle == 0) return centre_of_joints(path, begin, lower);
+  if (at_middle == 0) return centre_of_joints(chain.path, begin, chain.bend);
   joints.erase(joints.begin(), joints.begin() + static_cast<std::ptrdiff_t>(at_middle));
   return common_point(posed_, joints);
+}
+
+// Offset of the last body's origin from the axis of its own joint. The wrist is on the axis, which
+// twists the forearm, but the body's origin may be anywhere.
+Eigen::Vector3d RobotMeasure::off_last_axis(const std::vector<int>& path,
+                                            const std::vector<int>& joints) const {
+  constexpr double kRounding = 1e-6;  // Metres.
+  if (joints.empty()) return Eigen::Vector3d::Zero();
+  const int last = joints.back();
+  const int body = robot_.joints()[last].body;
+  const bool is_own = body == path.back() || robot_.moved_body(body) == path.back();
+  const Eigen::Vector3d off = across(
+      posed_.world_from_body(path.back()).translation - posed_.anchor(last), posed_.axis(last));
+  return is_own && off.norm() > kRounding ? off : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
 // The end of a limb (ankle or wrist), also without joints that belong to the knee or elbow. If the
 // axes of all further joints pass through the knee or elbow, the end is the origin of the last body
 // or an estimate by segment_end().
-Eigen::Vector3d RobotMeasure::end_of(const std::vector<int>& path, std::size_t lower,
-                                     const Eigen::Vector3d& middle,
+Eigen::Vector3d RobotMeasure::end_of(const Chain& chain, const Eigen::Vector3d& middle,
                                      const Eigen::Vector3d& root) const {
   constexpr double kFarther = 1.1;
+  const auto& [path, lower, bend] = chain;
   const std::vector<int> joints = joints_of(path, lower + 1, path.size());
   const std::span<const int> beyond =
       std::span(joints).subspan(joints_at_middle(posed_, joints, middle));
@@ -129,9 +149,10 @@ Eigen::Vector3d RobotMeasure::end_of(const std::vector<int>& path, std::size_t l
                                   : common_point(posed_, beyond);
   const double near = kLeastSegment * (middle - root).norm();
   if (!all_pass(posed_, joints, middle, near)) return end;
-  const Eigen::Vector3d origin = posed_.world_from_body(path.back()).translation;
+  const Eigen::Vector3d origin =
+      posed_.world_from_body(path.back()).translation - off_last_axis(path, joints);
   if ((origin - middle).norm() > std::max(near, kFarther * (end - middle).norm())) return origin;
-  const std::vector<int> bends = joints_of(path, lower, lower + 1);
+  const std::vector<int> bends = joints_of(path, bend, lower + 1);
   if ((end - middle).norm() >= kNearestWrist * (middle - root).norm() || bends.empty()) return end;
   return segment_end(
              robot_, posed_,
@@ -169,7 +190,7 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::s
           kOtherScaleHint);
     }
   }
-  Chain chain{path_to(robot_, bodies[bones - 1]), 0};
+  Chain chain{path_to(robot_, bodies[bones - 1]), 0, 0};
   const auto lower = std::ranges::find(chain.path, bodies[1]);
   if (lower == chain.path.end() || std::find(chain.path.begin(), lower, bodies[0]) == lower) {
     return config_failure(config_.file,
@@ -179,6 +200,8 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::s
                           kOtherScaleHint);
   }
   chain.lower = static_cast<std::size_t>(lower - chain.path.begin());
+  chain.bend = chain.lower;
+  while (chain.bend > 0 && is_joint_frame(chain.path[chain.bend - 1])) --chain.bend;
   return chain;
 }
 
@@ -196,16 +219,16 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredL
     TRY_ASSIGN(chains[side], chain(limbs[side], bones));
   }
   std::size_t common = 0;
-  while (common < std::min(chains[0].lower, chains[1].lower) &&
+  while (common < std::min(chains[0].bend, chains[1].bend) &&
          chains[0].path[common] == chains[1].path[common]) {
     ++common;
   }
   Pair pair;
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto& [path, lower] = chains[side];
-    const Eigen::Vector3d middle = centre_of_joints(path, lower, lower + 1);
-    const Eigen::Vector3d first = root_of(path, common, lower, middle);
-    const Eigen::Vector3d end = bones == 3 ? end_of(path, lower, middle, first) : middle;
+    const auto& [path, lower, bend] = chains[side];
+    const Eigen::Vector3d middle = centre_of_joints(path, bend, lower + 1);
+    const Eigen::Vector3d first = root_of(chains[side], common, middle);
+    const Eigen::Vector3d end = bones == 3 ? end_of(chains[side], middle, first) : middle;
     note(limbs[side].bones[0], first);
     note(limbs[side].bones[1], middle);
     note(limbs[side].bones[2], end);

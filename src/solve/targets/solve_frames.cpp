@@ -115,6 +115,7 @@ class ClipSolver {
     const auto problem = make_problem(robot_, config_, targets, limits_);
     solver_.emplace(problem, options_.engine, options_.ik);
     qpos_ = robot_->zero_configuration();
+    find_axes_of_base();
 
     SolvedFrames result;
     frame_time_ = rate.frame_time();
@@ -147,13 +148,26 @@ class ClipSolver {
   }
 
  private:
-  // Places the robot's root on its target.
+  // The body of the root bone may be another one than the base, such as the pelvis of a robot whose
+  // base is the torso, and may have other axes.
+  void find_axes_of_base() {
+    const int body = config_.body_of(config_.root_bone);
+    if (body < 0 || body == robot_->root_body() || robot_->fixed_base()) return;
+    std::vector<Pose> world_from_body(robot_->bodies().size());
+    forward_kinematics(*robot_, robot_->zero_configuration(), world_from_body);
+    const auto rotation = [&](int of) {
+      return world_from_body[static_cast<std::size_t>(of)].rotation;
+    };
+    root_from_base_ = rotation(body).conjugate() * rotation(robot_->root_body());
+  }
+
+  // Places the robot's base on the root's target.
   void place_root(std::span<const Pose> world_from_target) {
     if (robot_->fixed_base()) return;
     const Pose& pose = world_from_target.front();
     if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) return;
     std::ranges::copy(pose.translation, qpos_.begin());
-    const Eigen::Quaterniond rotation = pose.rotation.normalized();
+    const Eigen::Quaterniond rotation = (pose.rotation * root_from_base_).normalized();
     qpos_[3] = rotation.w();
     qpos_[4] = rotation.x();
     qpos_[5] = rotation.y();
@@ -315,6 +329,8 @@ class ClipSolver {
   const SolveFramesOptions& options_;
   std::optional<FrameSolver> solver_;
   std::vector<double> qpos_;  // Configuration of the latest frame.
+  // From the base to the body of the root bone in the zero configuration.
+  Eigen::Quaterniond root_from_base_ = Eigen::Quaterniond::Identity();
   // The latest frames, which solve_backwards() may still change. They are reported once final.
   struct Recent {
     double error = 0.0;

@@ -2,26 +2,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "base/try.h"
 #include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {
-namespace {
-
-// The rotation about the vertical of a rotation (swing-twist decomposition); identity if the
-// rotation turns the vertical upside down.
-Eigen::Quaterniond heading_of(const Eigen::Quaterniond& rotation) {
-  constexpr double kTurned = 1e-9;
-  const double norm = std::sqrt(rotation.w() * rotation.w() + rotation.z() * rotation.z());
-  if (!(norm > kTurned)) return Eigen::Quaterniond::Identity();
-  return {rotation.w() / norm, 0.0, 0.0, rotation.z() / norm};
-}
-
-}  // namespace
 
 HeldBase::HeldBase(const Robot& robot, const ResolvedConfig& config) : root_(config.root_bone) {
   std::vector<Pose> world_from_body(robot.bodies().size());
@@ -39,7 +27,7 @@ HeldBase::HeldBase(const Robot& robot, const ResolvedConfig& config) : root_(con
 Eigen::Quaterniond HeldBase::turn(const HumanPose& world_from_bone) const {
   const Eigen::Quaterniond turned =
       (world_from_bone[root_].rotation * standing_from_root_).normalized();
-  const Eigen::Quaterniond frame = root_ == Bone::kHips ? heading_of(turned) : turned;
+  const Eigen::Quaterniond frame = root_ == Bone::kHips ? turn_about_vertical(turned) : turned;
   return (base_from_standing_ * frame.conjugate()).normalized();
 }
 
