@@ -235,5 +235,18 @@ TEST_F(LimbSolverTest, DoesNotStepTowardsNonFiniteTargets) {
   }
 }
 
+// The cost of all terms decides, and that of the limb may rise.
+TEST(BranchRecovery, NotesDoNotPromiseALowerError) {
+  BranchRecovery recovery;
+  recovery.limbs.push_back({"left arm", 10, 20, 4.0, 1.0});
+  recovery.limbs.push_back({"right arm", 30, 40, 1.0, 1.3225});
+  EXPECT_THAT(recovery.notes(),
+              testing::ElementsAre("the left arm was stuck on a wrong branch in frames 10 to 19; "
+                                   "on another branch its error is 50 % of the previous error",
+                                   "the right arm is on another branch in frames 30 to 39, because "
+                                   "the cost of all terms is lower there; its own error is 115 % "
+                                   "of the previous error"));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "human/gait/standing_heights.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -80,6 +82,78 @@ TEST(FootPlan, ShortDipsDoNotDefineTheFloor) {
   EXPECT_TRUE(found.found);
   EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
   EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+}
+
+// Stands for ten seconds in which the root sinks and rises again at these times.
+SourceFeet feet_with_dips(const std::vector<double>& times, double seconds) {
+  return make_feet(10.0, 30.0, [&](double t) {
+    double height = 0.0;
+    for (const double begin : times) {
+      const double part = (t - begin) / seconds;
+      if (part > 0.0 && part < 1.0) height -= 0.12 * std::pow(std::sin(kPi * part), 2.0);
+    }
+    return FootPlace{0.0, height};
+  });
+}
+
+TEST(FootPlan, DipsOfTheRootDoNotDefineTheFloor) {
+  for (const auto& times : std::vector<std::vector<double>>{{5.0}, {3.0, 7.0}, {2.0, 5.0, 8.0}}) {
+    for (const double seconds : {0.5, 0.8}) {
+      const StandingHeights found = find_standing_heights(feet_with_dips(times, seconds), {});
+      EXPECT_TRUE(found.found) << times.size() << " " << seconds;
+      EXPECT_NEAR(found.ankle, kAnkleHeight, 0.01);
+      EXPECT_NEAR(found.toe, kToeHeight, 0.01);
+    }
+  }
+}
+
+TEST(FootPlan, ALostRootDoesNotDefineTheFloor) {
+  // The foot swings while the root is lost.
+  const auto lost = [](double t) { return t > 5.0 && t < 5.4; };
+  const auto lost_feet = make_feet(10.0, 30.0, [&](double t) {
+    return FootPlace{lost(t) ? t : 0.0, lost(t) ? -0.9 : 0.0};
+  });
+  EXPECT_NEAR(find_standing_heights(lost_feet, {}).toe, kToeHeight, 1e-12);
+  // The person stands while the root is lost.
+  const auto standing_feet = make_feet(10.0, 30.0, [&](double t) {
+    return FootPlace{0.0, t > 5.0 && t < 5.3 ? -0.9 : 0.0};
+  });
+  EXPECT_NEAR(find_standing_heights(standing_feet, {}).toe, kToeHeight, 1e-12);
+  // A jump off a box, to the floor and up again, is slower.
+  const auto jumping_feet = make_feet(10.0, 30.0, [](double t) {
+    const double away = std::abs(t - 5.1);
+    return FootPlace{away < 0.3 ? t : 0.0, -std::clamp(1.5 - 5.0 * away, 0.0, 0.5)};
+  });
+  EXPECT_LT(find_standing_heights(jumping_feet, {}).toe, kToeHeight - 0.3);
+}
+
+TEST(FootPlan, ShortStaysOnTheFloorAreNoDips) {
+  // Twice from a box to the floor.
+  const auto stays = make_feet(10.0, 30.0, [](double t) {
+    const bool down = (t >= 3.0 && t < 3.3) || (t >= 6.0 && t < 6.3);
+    return FootPlace{0.0, down ? 0.0 : 0.2};
+  });
+  EXPECT_NEAR(find_standing_heights(stays, {}).toe, kToeHeight, 0.01);
+  // The clip begins when the foot leaves the floor.
+  const auto steps_up = make_feet(5.0, 30.0, [](double t) {
+    return FootPlace{0.0, std::min(0.2, 0.5 * t)};
+  });
+  EXPECT_LT(find_standing_heights(steps_up, {}).toe, kToeHeight + 0.06);
+}
+
+TEST(FootPlan, TheUpperFootOfALyingBodyDoesNotStand) {
+  // The lower foot is flat on its side; the upper one rests on it.
+  SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{0.0, 0.12}; });
+  SourceFeet lying;
+  lying.foot_count = 2;
+  lying.frame_time = feet.frame_time;
+  for (SourceFoot foot : feet.feet) {
+    foot.sole_up = 0.0;
+    lying.feet.push_back(foot);
+    foot.ankle.z() = foot.toe.z() = 0.03;
+    lying.feet.push_back(foot);
+  }
+  EXPECT_NEAR(find_standing_heights(lying, {}).toe, 0.03, 1e-12);
 }
 
 TEST(FootPlan, FloorIsTheLevelSteppedDownTo) {
@@ -291,6 +365,29 @@ TEST(FootPlan, StillRaisedFootIsSupported) {
       EXPECT_EQ(plan.ends_of(10)[end].support, 0.0);
     }
   }
+}
+
+TEST(FootPlan, CountsFramesOnRaisedSurfaces) {
+  const SourceFeet feet = make_feet(3.0, 30.0, step_up);
+  const RaisedFrames raised = raised_frames(plan_of(feet, 0.5), feet.frame_count());
+  EXPECT_NEAR(raised.count, 45, 3);
+  EXPECT_NEAR(raised.highest, 0.5 * 0.3, 1e-12);
+  const SourceFeet low = make_feet(3.0, 30.0, step);
+  EXPECT_EQ(raised_frames(plan_of(low), low.frame_count()).count, 0);
+}
+
+TEST(FootPlan, AFootOnABoxBesideOneOnTheFloorIsNotRaised) {
+  SourceFeet feet = make_feet(3.0, 30.0, step_up);
+  SourceFeet both = feet;
+  both.foot_count = 2;
+  both.feet.clear();
+  for (const SourceFoot& foot : feet.feet) {
+    both.feet.push_back(foot);
+    both.feet.push_back(feet.feet.front());
+  }
+  FootPlan plan;
+  plan_feet(both, find_contacts(both, contact_options({})), std::array{0, 1}, 1.0, plan);
+  EXPECT_EQ(raised_frames(plan, both.frame_count()).count, 0);
 }
 
 TEST(FootPlan, FlatFootHasHeelAndToeAtTheSameHeight) {

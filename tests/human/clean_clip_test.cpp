@@ -3,16 +3,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/bvh/read_bvh.h"
+#include "formats/smpl/joint_motion.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
+#include "human/gait/track_faults.h"
 #include "human/skeleton/human_clip.h"
+#include "human/skeleton/joint_clip.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "support/lafan1_map.h"
@@ -22,9 +28,11 @@ namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 CleanReport clean(Clip& clip) {
   const Calibration calibration = lafan1_calibration(clip.skeleton());
@@ -89,6 +97,55 @@ TEST(CleanClip, RemovesSwayFromTheRoot) {
   EXPECT_EQ(mean_angle(clip, noisy), 0.0);
 }
 
+// Joints of LAFAN1's skeleton whose names begin so keep their first rotation.
+void freeze(Clip& clip, const std::vector<std::string>& beginnings) {
+  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+    const std::string& name = clip.skeleton().joint(joint).name;
+    const bool frozen = std::ranges::any_of(
+        beginnings, [&](const std::string& beginning) { return name.starts_with(beginning); });
+    for (int frame = 1; frozen && frame < clip.frame_count(); ++frame) {
+      clip.rotations(frame)[static_cast<std::size_t>(joint)] =
+          std::as_const(clip).rotations(0)[static_cast<std::size_t>(joint)];
+    }
+  }
+}
+
+StillLimbs still_limbs(const Clip& clip) {
+  return find_still_limbs(clip, {0, clip.frame_count()}, lafan1_calibration(clip.skeleton()));
+}
+
+TEST(CleanClip, ALegThatIsNotTrackedDoesNotMoveTheRoot) {
+  Clip clip = recorded_clip("walk");
+  freeze(clip, {"LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe"});
+  EXPECT_THAT(still_limbs(clip).names, ElementsAre("left leg"));
+  EXPECT_TRUE(still_limbs(clip).leg);
+  Clip cleaned = clip;
+  EXPECT_THAT(clean(cleaned).notes, IsEmpty());
+  EXPECT_EQ(farthest_root(clip, cleaned), 0.0);
+}
+
+TEST(CleanClip, FindsAnArmThatIsNotTracked) {
+  Clip clip = recorded_clip("walk");
+  freeze(clip, {"RightShoulder", "RightArm", "RightForeArm", "RightHand"});
+  EXPECT_THAT(still_limbs(clip).names, ElementsAre("right arm"));
+  EXPECT_FALSE(still_limbs(clip).leg);
+}
+
+TEST(CleanClip, LimbsMayRest) {
+  for (const char* name : {"walk", "turn_in_place", "squat", "wave", "get_up"}) {
+    EXPECT_THAT(still_limbs(recorded_clip(name)).names, IsEmpty()) << name;
+  }
+  // A leg that stands, and both arms that carry something.
+  Clip standing = recorded_clip("wave");
+  freeze(standing, {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe"});
+  Clip carrying = recorded_clip("walk");
+  freeze(carrying, {"LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand", "RightShoulder",
+                    "RightArm", "RightForeArm", "RightHand"});
+  for (const Clip& clip : {standing, carrying}) {
+    EXPECT_THAT(still_limbs(clip).names, IsEmpty());
+  }
+}
+
 TEST(CleanClip, SmoothsJointJitter) {
   const Clip clip = recorded_clip("wave");
   Clip noisy = clip;
@@ -107,7 +164,8 @@ TEST(CleanClip, SmoothsJointJitter) {
 }
 
 // Noise with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
-void add_slow_noise(Clip& clip, double degrees) {
+// @param names  of the noisy joints; empty: all
+void add_slow_noise(Clip& clip, double degrees, const std::set<std::string>& names = {}) {
   Noise noise;
   const double keep = std::exp(-clip.rate().frame_time() / 0.3);
   const double sigma = degrees * std::numbers::pi / 180.0;
@@ -117,6 +175,8 @@ void add_slow_noise(Clip& clip, double degrees) {
     for (std::size_t joint = 0; joint < errors.size(); ++joint) {
       const Vector3d fresh(noise.next(), noise.next(), noise.next());
       errors[joint] = keep * errors[joint] + std::sqrt(1.0 - keep * keep) * sigma * fresh;
+      const std::string& name = clip.skeleton().joint(static_cast<int>(joint)).name;
+      if (!names.empty() && !names.contains(name)) continue;
       Eigen::Quaterniond& rotation = clip.rotations(frame)[joint];
       rotation = rotation * exp_so3(errors[joint]);
     }
@@ -158,6 +218,73 @@ TEST(CleanClip, HoldsFeetInTheirStances) {
   }
 }
 
+TEST(CleanClip, SmoothsOneNoisyLeg) {
+  const Clip clip = recorded_clip("walk");
+  Clip noisy = clip;
+  add_slow_noise(noisy, 4.0, {"LeftUpLeg", "LeftLeg", "LeftFoot"});
+  const Clip before = noisy;
+  const CleanReport report = clean(noisy);
+  ASSERT_FALSE(report.notes.empty());
+  EXPECT_THAT(report.notes.front(), HasSubstr("median of 3 joints of the left leg) smoothed"));
+  EXPECT_GT(report.foot_speed, 0.0);
+  EXPECT_GT(contact_speed(clip, before, 75.0), 0.2);
+  EXPECT_LT(contact_speed(clip, noisy, 75.0), 0.6 * contact_speed(clip, before, 75.0));
+  // The other limbs do not change.
+  for (const char* name : {"RightUpLeg", "RightLeg", "LeftArm", "Spine1"}) {
+    const auto joint = static_cast<std::size_t>(*clip.skeleton().find(name));
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      EXPECT_EQ(noisy.rotations(frame)[joint].coeffs(), clip.rotations(frame)[joint].coeffs());
+    }
+  }
+}
+
+// At double speed, the legs of the walk look noisy, but the feet stand between the steps.
+TEST(CleanClip, TellsAFastLegFromANoisyOne) {
+  const Clip walk = recorded_clip("walk");
+  Clip clip(walk.shared_skeleton(), walk.rate(), walk.frame_count() / 2);
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(walk.rotations(2 * frame), clip.rotations(frame).begin());
+    std::ranges::copy(walk.translations(2 * frame), clip.translations(frame).begin());
+  }
+  Clip calm = clip;
+  EXPECT_THAT(clean(calm).notes, Not(Contains(HasSubstr("jitter"))));
+  add_slow_noise(clip, 4.0, {"LeftUpLeg", "LeftLeg", "LeftFoot"});
+  EXPECT_THAT(clean(clip).notes, Contains(HasSubstr("of the left leg) smoothed")));
+}
+
+TEST(CleanClip, SmoothsNoisyHips) {
+  Clip noisy = recorded_clip("walk");
+  add_slow_noise(noisy, 2.0, {"Hips"});
+  const CleanReport report = clean(noisy);
+  ASSERT_FALSE(report.notes.empty());
+  EXPECT_THAT(report.notes.front(), HasSubstr("median of 1 joint of the hips) smoothed"));
+}
+
+TEST(CleanClip, NoisyArmsDoNotMoveFeet) {
+  const Clip clip = recorded_clip("wave");
+  Clip noisy = clip;
+  add_slow_noise(noisy, 4.0, {"RightArm", "RightForeArm"});
+  const Clip before = noisy;
+  const CleanReport report = clean(noisy);
+  EXPECT_THAT(report.notes, ElementsAre(HasSubstr("2 joints of the right arm) smoothed")));
+  EXPECT_EQ(report.foot_speed, 0.0);
+  EXPECT_EQ(farthest_root(clip, noisy), 0.0);
+  EXPECT_LT(mean_angle(clip, noisy), mean_angle(clip, before));
+}
+
+// Single noisy joints are usual in good recordings, and a degree of noise in a leg is small.
+TEST(CleanClip, DoesNotSmoothSingleJointsAndSmallNoiseOfALimb) {
+  const Clip clip = recorded_clip("walk");
+  for (const char* name : {"LeftFoot", "RightToe", "LeftHand", "Neck", "Head"}) {
+    Clip noisy = clip;
+    add_slow_noise(noisy, 2.0, {name});
+    EXPECT_THAT(clean(noisy).notes, Not(Contains(HasSubstr("jitter")))) << name;
+  }
+  Clip noisy = clip;
+  add_slow_noise(noisy, 0.3, {"LeftUpLeg", "LeftLeg", "LeftFoot"});
+  EXPECT_THAT(clean(noisy).notes, Not(Contains(HasSubstr("jitter"))));
+}
+
 TEST(CleanClip, DoesNotChangeFramesOutsideThePart) {
   Clip noisy = recorded_clip("squat");
   for (int frame = 0; frame < noisy.frame_count(); ++frame) {
@@ -185,6 +312,51 @@ TEST(CleanPositions, DoesNotChangeClipsWithRotations) {
     clip.translations(frame)[0].x() += noise.next();
   }
   EXPECT_EQ(clean_positions(clip), "");
+}
+
+// The clip as a file of joint positions.
+Clip positions_of(const Clip& clip, const std::vector<int>& raised) {
+  const int count = clip.skeleton().joint_count();
+  JointMotion motion;
+  motion.frame_count = clip.frame_count();
+  motion.joint_count = count;
+  motion.names = clip.skeleton().names();
+  motion.rate = clip.rate();
+  std::vector<Pose> world(static_cast<std::size_t>(count));
+  const int foot = clip.skeleton().find("LeftFoot").value();
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, world);
+    for (const Pose& pose : world) motion.positions.push_back(pose.translation);
+    if (std::ranges::find(raised, frame) == raised.end()) continue;
+    motion.positions[motion.index(frame, foot)] += Vector3d(20.0, 0.0, 40.0);
+  }
+  return clip_of_joints(motion, "walk.npy").value();
+}
+
+TEST(PositionSpikes, AreBridgedBeforeRotationsAreComputed) {
+  const Clip clip = recorded_clip("walk");
+  Clip clean = positions_of(clip, {}), spiky = positions_of(clip, {100, 101, 102});
+  const Clip before = spiky;
+  EXPECT_THAT(bridge_position_spikes(clean), IsEmpty());
+  EXPECT_THAT(bridge_position_spikes(spiky), ElementsAre("LeftFoot jumped away in 3 frames"));
+  EXPECT_EQ(spiky.skeleton().names(), clean.skeleton().names());
+  EXPECT_FALSE(spiky.origin().unknown_rotations.empty());
+  EXPECT_LT(mean_angle(clean, spiky), 0.2 * mean_angle(clean, before));
+  Clip rotations = clip;
+  rotations.translations(100)[0].x() += 100.0;
+  EXPECT_THAT(bridge_position_spikes(rotations), IsEmpty());
+}
+
+// Such feet hardly slide.
+TEST(CleanClip, NamesTheEvidenceForADrift) {
+  Clip sinking = recorded_clip("squat");
+  for (int frame = 0; frame < sinking.frame_count(); ++frame) {
+    sinking.translations(frame)[0].y() -= 15.0 * frame / sinking.frame_count();
+  }
+  const CleanReport report = clean(sinking);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_THAT(report.notes[0], HasSubstr("standing feet sank by 0.1"));
+  EXPECT_THAT(report.notes[0], Not(HasSubstr("slid")));
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/option_name.h"
 #include "formats/bvh/read_bvh.h"
@@ -142,6 +145,61 @@ TEST(RestEvidence, CleanStandingClipsCauseNoWarning) {
     const Clip clip = window_of(name, 0, 60);
     EXPECT_TRUE(rest_found(clip).doubts.empty()) << name;
     EXPECT_TRUE(rest_found(with_zero_shape(clip, {})).doubts.empty()) << name;
+  }
+}
+
+// Without hands, and with end sites at the elbows.
+Clip with_forearms_without_length(const Clip& clip) {
+  std::vector<Joint> joints;
+  std::vector<std::size_t> kept;
+  for (int i = 0; i < clip.skeleton().joint_count(); ++i) {
+    Joint joint = clip.skeleton().joint(i);
+    if (joint.name.ends_with("Hand")) continue;
+    if (joint.name.ends_with("ForeArm")) joint.end_sites = {Eigen::Vector3d::Zero()};
+    if (joint.parent >= 0) {
+      const auto parent = std::ranges::find(kept, static_cast<std::size_t>(joint.parent));
+      joint.parent = static_cast<int>(parent - kept.begin());
+    }
+    kept.push_back(static_cast<std::size_t>(i));
+    joints.push_back(std::move(joint));
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      twin.rotations(frame)[i] = clip.rotations(frame)[kept[i]];
+    }
+    twin.translations(frame)[0] = clip.translations(frame)[0];
+  }
+  return twin;
+}
+
+// Arms without evidence must not make a zero pose seem to fit whose bones are all along x.
+TEST(RestEvidence, ArmsWithoutLengthAreNoEvidenceForAPose) {
+  const Clip clip = window_of("walk", 0, 120);
+  const Clip twin = with_forearms_without_length(clip);
+  const Calibration found = rest_found(twin);
+  EXPECT_EQ(found.rest_pose, "learned") << found.description;
+  const auto says = [&](const char* text) {
+    return std::ranges::any_of(found.doubts, [&](const Warning& doubt) {
+      return doubt.message.find(text) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(says("no length is known for LeftForeArm, RightForeArm"));
+  const HumanClip human = to_human(twin, found), expected = true_human(clip);
+  EXPECT_LT(mean_turn(human, expected, kLegBones), 5.0);
+  for (const Bone bone :
+       {Bone::kLeftArm, Bone::kRightArm, Bone::kLeftForeArm, Bone::kRightForeArm}) {
+    const Eigen::Vector3d way = human.frame(60)[bone].rotation * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d true_way = expected.frame(60)[bone].rotation * Eigen::Vector3d::UnitX();
+    EXPECT_GT(way.dot(true_way), 0.99) << bone_name(bone);
+  }
+  const auto place = [&](Bone bone) { return human.frame(60)[bone].translation; };
+  EXPECT_GT((place(Bone::kLeftHand) - place(Bone::kLeftForeArm)).norm(), 0.15);
+}
+
+TEST(RestEvidence, ForearmsWithALengthAreNoDoubt) {
+  for (const Warning& doubt : rest_found(window_of("walk", 0, 120)).doubts) {
+    EXPECT_EQ(doubt.message.find("no length is known"), std::string::npos) << doubt.message;
   }
 }
 

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "human/gait/track_spikes.h"
@@ -148,6 +150,93 @@ TEST(LostFrames, DoesNotNamePausesAndShortFreezes) {
   EXPECT_THAT(kept_freezes(frozen, kWhole, 1.0), IsEmpty());
 }
 
+// All joints together turn by about 4 rad into the zero pose and out of it.
+void lose_body(Clip& clip, FrameRange frames, bool with_root) {
+  for (int frame = frames.begin; frame < frames.end; ++frame) {
+    for (auto& rotation : clip.rotations(frame)) rotation = Quaterniond::Identity();
+    if (with_root) clip.translations(frame)[0].setZero();
+  }
+}
+
+// The first zero frame is not an anchor of an interpolation.
+TEST(LostFrames, InterpolatesAZeroPoseWithinAMovement) {
+  const Clip clip = bending_chain();
+  for (const bool with_root : {true, false}) {
+    Clip lost = clip;
+    lose_body(lost, {20, 25}, with_root);
+    EXPECT_THAT(kept_freezes(lost, kWhole, 1.0), IsEmpty());
+    EXPECT_EQ(bridge_lost_frames(lost, kWhole), 5);
+    EXPECT_EQ(bridge_frozen_frames(lost, kWhole), 0);
+    for (int frame = 0; frame < kFrames; ++frame) {
+      EXPECT_NEAR(std::as_const(lost).translations(frame)[0].x(), 0.02 * frame, 1e-9) << frame;
+      for (std::size_t joint = 0; joint < kJoints; ++joint) {
+        const Quaterniond& found = std::as_const(lost).rotations(frame)[joint];
+        EXPECT_LT(found.angularDistance(clip.rotations(frame)[joint]), 0.05) << frame;
+      }
+    }
+  }
+}
+
+TEST(LostFrames, CalibrationPosesAndFreezesAreNotLost) {
+  const Clip clip = bending_chain();
+  Clip calibration = clip, frozen = clip;
+  lose_body(calibration, {0, 8}, true);
+  lose_body(calibration, {kFrames - 6, kFrames}, true);
+  Clip before = calibration;
+  EXPECT_EQ(bridge_lost_frames(calibration, kWhole), 0);
+  EXPECT_TRUE(same_clips(before, calibration));
+  for (int frame = 21; frame < 27; ++frame) copy_frame(clip, 20, frozen, frame);
+  before = frozen;
+  EXPECT_EQ(bridge_lost_frames(frozen, kWhole), 0);
+  EXPECT_TRUE(same_clips(before, frozen));
+}
+
+// Interpolation would invent more than a second.
+TEST(LostFrames, KeepsAndNamesALongZeroPose) {
+  Clip clip = bending_chain();
+  lose_body(clip, {12, 47}, true);
+  const Clip before = clip;
+  EXPECT_EQ(bridge_lost_frames(clip, kWhole), 0);
+  EXPECT_EQ(bridge_frozen_frames(clip, kWhole), 0);
+  EXPECT_TRUE(same_clips(before, clip));
+  EXPECT_THAT(kept_freezes(clip, kWhole, 1.0), ElementsAre(FrameRange{12, 47}));
+}
+
+// A body with fast joints that freezes twice in a row catches up to the second freeze, although it
+// turns back meanwhile.
+TEST(LostFrames, AFreezeAfterAFreezeIsNotLost) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (auto& rotation : clip.rotations(frame)) {
+      rotation = exp_so3(Vector3d(1.0 + 0.6 * std::sin(0.35 * frame), 0.0, 0.0));
+    }
+  }
+  Clip frozen = clip;
+  for (int frame = 27; frame < 31; ++frame) copy_frame(clip, 26, frozen, frame);
+  for (int frame = 32; frame < 36; ++frame) copy_frame(clip, 31, frozen, frame);
+  EXPECT_EQ(bridge_lost_frames(frozen, kWhole), 0);
+}
+
+// A nearly straight knee gives no evidence of its own.
+TEST(LostFrames, BridgesALimbThatIsLost) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    clip.rotations(frame)[2] = exp_so3(Vector3d(0.02 + 0.01 * std::sin(0.15 * frame), 0.0, 0.0));
+  }
+  Clip knee = clip, limb = clip;
+  for (int frame = 20; frame < 25; ++frame) {
+    knee.rotations(frame)[2] = limb.rotations(frame)[2] = Quaterniond::Identity();
+    limb.rotations(frame)[3] = Quaterniond::Identity();
+  }
+  EXPECT_THAT(bridge_lost_joints(knee, kWhole), IsEmpty());
+  EXPECT_THAT(bridge_lost_joints(limb, kWhole),
+              ElementsAre("joint2 was lost in 5 frames", "joint3 was lost in 5 frames"));
+  for (int frame = 20; frame < 25; ++frame) {
+    const Quaterniond& found = std::as_const(limb).rotations(frame)[2];
+    EXPECT_LT(found.angularDistance(clip.rotations(frame)[2]), 0.005) << frame;
+  }
+}
+
 TEST(LostFrames, PausesAreNotFrozenFrames) {
   // The body rests for six frames and then continues the movement.
   const Clip clip = bending_chain();
@@ -247,6 +336,81 @@ TEST(Spikes, FastMovementsAndCutsAreNone) {
   Clip small = clip;
   small.translations(40)[0].z() += 0.5;
   EXPECT_THAT(bridge_spikes(small, kWhole, 0.01), IsEmpty());
+}
+
+// Positions of a root that moves along x and of two legs that swing past each other.
+std::vector<std::vector<Vector3d>> striding_points() {
+  std::vector<std::vector<Vector3d>> tracks(5);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Vector3d root(0.05 * frame, 1.0, 0.0);
+    const double swing = 0.3 * std::sin(0.2 * frame);
+    tracks[0].push_back(root);
+    tracks[1].push_back(root + Vector3d(0.5 * swing, -0.4, 0.1));
+    tracks[2].push_back(root + Vector3d(swing, -0.8, 0.1));
+    tracks[3].push_back(root + Vector3d(-0.5 * swing, -0.4, -0.1));
+    tracks[4].push_back(root + Vector3d(-swing, -0.8, -0.1));
+  }
+  return tracks;
+}
+
+std::vector<std::string> bridge_points(std::vector<std::vector<Vector3d>>& tracks) {
+  return bridge_spikes(tracks, {"hips", "left_knee", "left_ankle", "right_knee", "right_ankle"},
+                       FrameRate{30, 1}, 0.1);
+}
+
+double farthest_point(const std::vector<std::vector<Vector3d>>& a,
+                      const std::vector<std::vector<Vector3d>>& b) {
+  double far = 0.0;
+  for (std::size_t joint = 0; joint < a.size(); ++joint) {
+    for (std::size_t i = 0; i < a[joint].size(); ++i) {
+      far = std::max(far, (a[joint][i] - b[joint][i]).norm());
+    }
+  }
+  return far;
+}
+
+TEST(Spikes, OfPositionsAreInterpolated) {
+  const auto points = striding_points();
+  auto ankle = points, body = points, hips = points;
+  for (const std::size_t i : {30, 31, 32}) ankle[2][i] += Vector3d(0.0, 0.4, 0.2);
+  EXPECT_THAT(bridge_points(ankle), ElementsAre("left_ankle jumped away in 3 frames"));
+  EXPECT_LT(farthest_point(points, ankle), 0.03);
+  for (auto& track : body) track[20] += Vector3d(1.0, 0.0, 1.0);
+  EXPECT_THAT(bridge_points(body), ElementsAre("the body jumped away in 1 frame"));
+  EXPECT_LT(farthest_point(points, body), 1e-9);
+  hips[0][20] += Vector3d(0.0, 0.3, 0.0);
+  EXPECT_THAT(bridge_points(hips), ElementsAre("hips jumped away in 1 frame"));
+  EXPECT_LT(farthest_point(points, hips), 1e-9);
+}
+
+TEST(Spikes, ExchangedLegsAreInterpolated) {
+  const auto points = striding_points();
+  for (const std::size_t at : {16, 20, 25, 30, 40}) {
+    auto swapped = points;
+    std::swap(swapped[1][at], swapped[3][at]);
+    std::swap(swapped[2][at], swapped[4][at]);
+    EXPECT_THAT(
+        bridge_points(swapped),
+        ElementsAre("left_knee, left_ankle, right_knee, right_ankle jumped away in 1 frame"))
+        << at;
+    EXPECT_LT(farthest_point(points, swapped), 0.01) << at;
+  }
+}
+
+TEST(Spikes, FastPointsAndCutsAreNone) {
+  const auto points = striding_points();
+  auto clean = points, kicking = points, cut = points;
+  EXPECT_THAT(bridge_points(clean), IsEmpty());
+  // A foot at up to 9 m/s.
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    const double far = 0.5 * std::sin(0.6 * static_cast<double>(i));
+    kicking[2][i] += Vector3d(far * std::abs(far) / 0.5, std::abs(far), 0.0);
+    if (i >= 30) {
+      for (auto& track : cut) track[i].z() += 0.5;
+    }
+  }
+  EXPECT_THAT(bridge_points(kicking), IsEmpty());
+  EXPECT_THAT(bridge_points(cut), IsEmpty());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -139,17 +140,49 @@ TEST(RootDrift, MeasuresShakingOfTheHeight) {
   EXPECT_TRUE(evidence.climbs());
 }
 
+// The foot sinks at 0.07 m/s while it stands.
+Vector3d foot_that_rolls(int foot, double seconds) {
+  constexpr double kStep = 0.4;
+  const double part = std::fmod(seconds / (2.0 * kStep) + 0.5 * foot, 1.0);
+  Vector3d place = foot_of_walker(foot, seconds);
+  if (part < 0.5) place.z() += 0.07 * 2.0 * kStep * (0.5 - part);
+  return place;
+}
+
 TEST(RootDrift, IgnoresFeetThatSinkWhileTheyRoll) {
-  const auto foot_at = [](int foot, double seconds) {
-    constexpr double kStep = 0.4;
-    const double part = std::fmod(seconds / (2.0 * kStep) + 0.5 * foot, 1.0);
-    Vector3d place = foot_of_walker(foot, seconds);
-    if (part < 0.5) place.z() += 0.07 * 2.0 * kStep * (0.5 - part);
-    return place;
-  };
-  const RootEvidence evidence = measure_root(body_of(300, nowhere, foot_at).feet);
+  const RootEvidence evidence = measure_root(body_of(300, nowhere, foot_that_rolls).feet);
   EXPECT_GT(evidence.climb_speed, 0.03);
   EXPECT_FALSE(evidence.moves());
+}
+
+TEST(RootDrift, FeetThatRollDoNotClimbDuringSway) {
+  const auto far = [](double seconds) { return Vector3d(2.0 * sway(seconds)); };
+  const RootEvidence evidence = measure_root(body_of(300, far, foot_that_rolls).feet);
+  EXPECT_TRUE(evidence.moves());
+  EXPECT_FALSE(evidence.climbs());
+}
+
+TEST(RootDrift, DoesNotAddUpTheStepsOfFeetThatRoll) {
+  const auto shake = [](double seconds) {
+    return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
+  };
+  const DriftingBody body = body_of(300, shake, foot_that_rolls);
+  const RootEvidence evidence = measure_root(body.feet);
+  EXPECT_TRUE(evidence.climbs());
+  EXPECT_FALSE(evidence.climbs_steadily);
+  const RootDrift found =
+      find_root_drift(body.feet, body.hips, {false, true, evidence.climbs_steadily});
+  // Added up, they are 0.3 m.
+  EXPECT_LT(farthest_left(body, shake, found), 0.1);
+}
+
+TEST(RootDrift, DiscardsAVerticalDriftThatTiltsTheFloor) {
+  // With the steps of rolling feet added up, the floor climbs by 0.3 m.
+  const DriftingBody body = body_of(300, sway, foot_that_rolls);
+  const RootDrift found = find_root_drift(body.feet, body.hips, {false, true, true});
+  double high = 0.0;
+  for (const Vector3d& drift : found.drift) high = std::max(high, std::abs(drift.z()));
+  EXPECT_LT(high, 0.05);
 }
 
 TEST(RootDrift, FindsAVerySlowClimb) {
@@ -230,6 +263,28 @@ TEST(RootDrift, KeepsAStepAboveTheFloor) {
                       (body.feet.at(0, 0).toe.z() - found.drift[0].z());
   EXPECT_NEAR(rise, 0.3, 1e-9);
   EXPECT_LT(found.speed_after, 0.02);
+}
+
+TEST(RootDrift, DoesNotTakeABoxForTheClimbOfFeetThatRoll) {
+  // Up to a box 0.6 m high after half of the clip, while the height shakes.
+  const auto foot_at = [](int foot, double seconds) {
+    Vector3d place = resting_foot(foot, seconds);
+    const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);
+    place.x() = 0.3 * rise;
+    place.z() = 0.6 * rise * rise * (3.0 - 2.0 * rise);
+    return place;
+  };
+  const auto shake = [](double seconds) {
+    return Vector3d(0.0, 0.0, 0.03 * std::sin(2.0 * kPi * 0.6 * seconds));
+  };
+  const DriftingBody body = body_of(270, shake, foot_at);
+  const RootDrift found = find_root_drift(body.feet, body.hips, {false, true, false});
+  // The box may end up on the floor, but the floor before it does not climb.
+  for (const int frame : {30, 60, 90, 110}) {
+    const double off = found.drift[static_cast<std::size_t>(frame)].z() - found.drift[0].z() -
+                       shake(frame * kDriftFrameTime).z();
+    EXPECT_LT(std::abs(off), 0.1) << frame;
+  }
 }
 
 TEST(RootDrift, ScalesLengthsWithTheBody) {

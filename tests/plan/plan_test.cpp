@@ -219,6 +219,21 @@ TEST(FrontDoor, DoubtsAPathThatContradictsTheFeet) {
               HasSubstr("the path of the root contradicted the feet by up to 6"));
 }
 
+TEST(FrontDoor, DoubtsASourceThatJumps) {
+  const auto robot = g1();
+  ASSERT_TRUE(robot) << describe(robot.error());
+  Clip clip = load_clip(sample("walk")).value();
+  // 80 cm in one frame.
+  for (int frame = 150; frame < clip.frame_count(); ++frame) {
+    clip.translations(frame)[0].x() += 80.0;
+  }
+  const auto doubts = make_plan(clip, *robot, Options()).value().doubts();
+  EXPECT_THAT(doubts,
+              testing::Contains(testing::Field(
+                  &Warning::message, testing::AllOf(HasSubstr("the hips move at 2"),
+                                                    HasSubstr("in 1 frame, first in frame 150")))));
+}
+
 // A file of 60 frames per second with 30 poses per second: every second frame repeats a pose.
 TEST(FrontDoor, RepeatedPosesAreNotJitter) {
   const auto robot = g1();

@@ -13,8 +13,11 @@
 #include "human/gait/clean_clip.h"
 #include "human/gait/floor_tilt.h"
 #include "human/gait/repeated_frames.h"
+#include "human/gait/source_jumps.h"
+#include "human/gait/track_faults.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
+#include "retarget/clip_range.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/text.h"
@@ -76,6 +79,16 @@ void doubt_freezes(const Clip& clip, Plan& plan) {
            number_text(frames * clip.rate().frame_time(), 2))});
 }
 
+void doubt_limbs(const Clip& clip, Plan& plan) {
+  const StillLimbs still = find_still_limbs(clip, plan.part, plan.human.calibration);
+  for (const std::string& name : still.names) {
+    plan.clip_doubts.push_back(
+        {0, 0,
+         fmt::format("the {} does not move while the other limbs do; it was probably not tracked",
+                     name)});
+  }
+}
+
 // The rule of `auto` for the G1, by the robot's speed.
 constexpr TravelRule kAutomatic{1.0, 0.85, 0.7, 1.5};
 
@@ -106,6 +119,7 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
   if (held > 0) {
     notes.held = fmt::format("{} interpolated", count_text(held, "repeated frame"));
   }
+  notes.spikes = bridge_position_spikes(clip);
   notes.positions = clean_positions(clip);
   return notes;
 }
@@ -113,11 +127,15 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
 void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   if (!may_clean(clip, plan.options)) return;
   doubt_freezes(clip, plan);
+  doubt_limbs(clip, plan);
   CleanReport report =
       clean_clip(clip, plan.part, plan.human.calibration, !notes.positions.empty());
-  for (const std::string& note : {notes.positions, notes.held}) {
-    if (!note.empty()) report.notes.insert(report.notes.begin(), note);
+  std::vector<std::string> first;
+  for (const std::string& note : {notes.held, notes.positions}) {
+    if (!note.empty()) first.push_back(note);
   }
+  for (const std::string& spike : notes.spikes) first.push_back(spike + ": bridged");
+  report.notes.insert(report.notes.begin(), first.begin(), first.end());
   if (!report.acted()) return;
   for (const std::string& note : report.notes) {
     plan.clip_notes.push_back({&note == report.notes.data() ? "cleaned" : "", note});
@@ -127,6 +145,21 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   look_above_noise(report.foot_speed, plan.fit);
   constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
   plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_speed / kNoisySpeed));
+}
+
+void doubt_jumps(const Clip& clip, Plan& plan) {
+  if (is_of_robot(clip)) return;
+  HumanPoser poser(clip, plan.human.calibration);
+  // A calibration pose before the motion is none of its frames.
+  const FrameRange part = {std::max(plan.part.begin, count_lead_in_frames(clip)), plan.part.end};
+  // Rotations that were computed from positions turn fast about straight legs.
+  const SourceJumps jumps = find_source_jumps(poser, part, clip.origin().unknown_rotations.empty());
+  if (jumps.frames == 0) return;
+  plan.clip_doubts.push_back(
+      {0, 0,
+       fmt::format("{} in {}, first in frame {}: probably an error of the tracking system, or "
+                   "a cut",
+                   list_names(jumps.texts()), count_text(jumps.frames, "frame"), jumps.first)});
 }
 
 void doubt_level(const Clip& clip, Plan& plan) {

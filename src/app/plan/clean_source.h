@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -10,12 +11,13 @@ namespace retarget {
 
 /// Sentences that describe the changes of clean_source_frames(); empty: none.
 struct SourceNotes {
-  std::string held;       ///< Interpolated frames that repeated a pose.
-  std::string positions;  ///< Smoothed joint positions.
+  std::string held;                      ///< Interpolated frames that repeated a pose.
+  std::string positions;                 ///< Smoothed joint positions.
+  std::vector<std::string> spikes = {};  ///< Interpolated spikes of joint positions.
 };
 
-/// Interpolates repeated frames and smooths noisy joint positions of a clip according to
-/// HumanOptions::clean, before its human is recognised.
+/// Interpolates repeated frames and spikes of joint positions, and smooths noisy joint positions of
+/// a clip according to HumanOptions::clean, before its human is recognised.
 [[nodiscard]] SourceNotes clean_source_frames(Clip& clip, const Options& options);
 
 /// Removes noise from the part of a clip that a plan uses, according to HumanOptions::clean, and
@@ -24,6 +26,11 @@ struct SourceNotes {
 /// @param notes  result of clean_source_frames().
 /// @pre the plan's options, human, part and fit are known
 void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan);
+
+/// Warns if the hips or thighs of a plan's clip jump (find_source_jumps). Omitted for clips of
+/// robots.
+/// @pre the plan's human and part are known
+void doubt_jumps(const Clip& clip, Plan& plan);
 
 /// Warns if the floor of a plan's clip is tilted (find_floor_tilt). The warning contains the value of
 /// HumanOptions::up that levels the clip. Omitted for clips of robots, with scenes, and if the

@@ -34,7 +34,7 @@
 namespace retarget {
 namespace {
 
-// The bend is a property of the skeleton and the person, so that all parts of the clip have the same.
+// The bend is a property of the skeleton and the person: all parts of the clip have the same.
 std::optional<double> bend_of_clip(const Clip& clip, const Calibration& calibration) {
   HumanPoser poser(clip, calibration);
   const HumanClipInfo info = poser.info();

@@ -14,7 +14,6 @@
 #include "retarget/text.h"
 #include "robot/anatomy/bare_robot.h"
 #include "robot/anatomy/overlaps.h"
-#include "robot/model/variant.h"
 
 namespace retarget {
 

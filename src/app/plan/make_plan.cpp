@@ -189,6 +189,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
   clean_source(clip, source_notes, plan);
+  doubt_jumps(clip, plan);
   doubt_level(clip, plan);
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
   mark_guessed_rotations(clip, plan.human.calibration, plan.config);

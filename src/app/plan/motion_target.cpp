@@ -60,33 +60,6 @@ std::optional<FootContacts> contacts_of(const Motion& motion) {
   return contacts;
 }
 
-Result<OutputFile> write_contacts(const std::string& path,
-                                  const std::optional<FootContacts>& contacts,
-                                  const FrameRate& rate,
-                                  const std::optional<ContactLabels>& labels) {
-  if (!contacts) {
-    return usage_failure("the motion has no contacts for " OPTION("contacts"),
-                         "the fit of a robot that moves freely determines contacts, " OPTION(
-                             "method") " gmr does not; NPZ, pkl-pbhc, protomotions and csv-sonic "
-                                       "files can contain them");
-  }
-  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
-  TRY(file.write(format_contacts_csv(*contacts, rate, labels ? &*labels : nullptr)));
-  return file;
-}
-
-Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
-                               const std::optional<SceneClip>& scene) {
-  if (!scene) {
-    return usage_failure("the motion has no scene for " OPTION("scene-out"),
-                         "retarget a clip with " OPTION("scene") " FILE");
-  }
-  TRY_ASSIGN(const std::string text, format_scene(path, motion, *scene));
-  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
-  TRY(file.write(text));
-  return file;
-}
-
 HumanInWorld human_in_world(const Clip& clip, const Calibration& calibration) {
   HumanInWorld human;
   human.clip = &clip;
@@ -151,9 +124,41 @@ Result<std::string> reference_path(const std::string& output, const SaveOptions&
   return base + ".reference.npz";
 }
 
-Result<ReferenceFile> write_reference(const std::string& path, const RobotClip& clip,
-                                      const WriteMotionOptions& write, const SaveOptions& options,
-                                      const LimitSet* limits) {
+namespace {
+
+Result<void> add_file_beside(const std::string& path, std::string_view bytes, FilesBeside& beside) {
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(bytes));
+  beside.files.push_back(std::move(file));
+  return {};
+}
+
+Result<void> add_contacts(const std::string& path, const FrameRate& rate,
+                          const WriteMotionOptions& write, FilesBeside& beside) {
+  if (!write.contacts) {
+    return usage_failure("the motion has no contacts for " OPTION("contacts"),
+                         "the fit of a robot that moves freely determines contacts, " OPTION(
+                             "method") " gmr does not; NPZ, pkl-pbhc, protomotions and csv-sonic "
+                                       "files can contain them");
+  }
+  return add_file_beside(
+      path, format_contacts_csv(*write.contacts, rate, write.labels ? &*write.labels : nullptr),
+      beside);
+}
+
+Result<void> add_scene_of_robot(const std::string& path, const RobotClip& clip,
+                                const std::optional<SceneClip>& scene, FilesBeside& beside) {
+  if (!scene) {
+    return usage_failure("the motion has no scene for " OPTION("scene-out"),
+                         "retarget a clip with " OPTION("scene") " FILE");
+  }
+  TRY_ASSIGN(const std::string text, format_scene(path, clip, *scene));
+  return add_file_beside(path, text, beside);
+}
+
+Result<void> add_reference(const std::string& path, const RobotClip& clip,
+                           const WriteMotionOptions& write, const SaveOptions& options,
+                           const LimitSet* limits, FilesBeside& beside) {
   ReferenceOptions how;
   how.rate =
       frame_rate_from_fps(options.reference_rate > 0.0 ? options.reference_rate : kUsualRate);
@@ -170,15 +175,29 @@ Result<ReferenceFile> write_reference(const std::string& path, const RobotClip& 
   } else {
     TRY_ASSIGN(bytes, format_reference_npz(reference));
   }
-  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
-  TRY(file.write(bytes));
-  ReferenceFile written{std::move(file), {}};
-  written.lines.push_back({"sampled", path + ": " + count_text(reference.samples, "sample") +
-                                          " at " + to_text(reference.rate) + " per second"});
+  TRY(add_file_beside(path, bytes, beside));
+  beside.lines.push_back({"sampled", path + ": " + count_text(reference.samples, "sample") +
+                                         " at " + to_text(reference.rate) + " per second"});
   for (std::string& note : reference_notes(reference)) {
-    written.lines.push_back({"", std::move(note)});
+    beside.lines.push_back({"", std::move(note)});
   }
-  return written;
+  return {};
+}
+
+}  // namespace
+
+Result<FilesBeside> write_files_beside(const std::string& reference, const RobotClip& clip,
+                                       const WriteMotionOptions& write, const SaveOptions& options,
+                                       const LimitSet* limits) {
+  FilesBeside beside;
+  if (!options.contacts.empty()) {
+    TRY(add_contacts(options.contacts, clip.rate(), write, beside));
+  }
+  if (!options.scene_out.empty()) {
+    TRY(add_scene_of_robot(options.scene_out, clip, write.scene, beside));
+  }
+  if (!reference.empty()) TRY(add_reference(reference, clip, write, options, limits, beside));
+  return beside;
 }
 
 }  // namespace retarget

@@ -35,19 +35,6 @@ class MotionTarget {
   std::variant<OutputFile, OutputFolder> place_;
 };
 
-/// Writes contacts as CSV to a file that is not committed yet. Error (kUsage): contacts are
-/// unknown.
-/// @param labels  contacts in a scene; empty: no scene.
-[[nodiscard]] Result<OutputFile> write_contacts(const std::string& path,
-                                                const std::optional<FootContacts>& contacts,
-                                                const FrameRate& rate,
-                                                const std::optional<ContactLabels>& labels);
-
-/// Writes the scene of a robot to a file that is not committed yet. Errors: those of format_scene;
-/// the motion has no scene (kUsage).
-[[nodiscard]] Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
-                                             const std::optional<SceneClip>& scene);
-
 /// Applies normalize_start to a motion before writing; the human shown with it and its scene move
 /// along.
 void normalize_start(RobotClip& clip, WriteMotionOptions& write);
@@ -58,20 +45,24 @@ void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 [[nodiscard]] Result<std::string> reference_path(const std::string& output,
                                                  const SaveOptions& options);
 
-/// A reference that is written but not committed yet.
-struct ReferenceFile {
-  OutputFile file;
-  std::vector<SummaryLine> lines;  ///< Samples, corrections, and what remains beyond limits.
+/// Files next to a motion that are written but not committed yet.
+struct FilesBeside {
+  std::vector<OutputFile> files;
+  /// Of the reference: samples, corrections, and what remains beyond limits.
+  std::vector<SummaryLine> lines;
 };
 
-/// Makes the reference of a motion (make_reference) and writes it.
-/// @param path    from reference_path(), not empty.
-/// @param clip    the motion as it is written to its file.
-/// @param write   contacts and scene of the motion.
-/// @param limits  joint ranges; null: the robot's default set.
-[[nodiscard]] Result<ReferenceFile> write_reference(const std::string& path, const RobotClip& clip,
-                                                    const WriteMotionOptions& write,
-                                                    const SaveOptions& options,
-                                                    const LimitSet* limits);
+/// Writes the files that options request next to a motion: its contacts as CSV, its scene, and its
+/// reference (make_reference). Errors: those of format_scene and make_reference; the motion has no
+/// contacts or no scene (kUsage).
+/// @param reference  from reference_path().
+/// @param clip       the motion as it is written to its file.
+/// @param write      contacts and scene of the motion.
+/// @param limits     joint ranges; null: the robot's default set.
+[[nodiscard]] Result<FilesBeside> write_files_beside(const std::string& reference,
+                                                     const RobotClip& clip,
+                                                     const WriteMotionOptions& write,
+                                                     const SaveOptions& options,
+                                                     const LimitSet* limits);
 
 }  // namespace retarget

@@ -52,23 +52,11 @@ Result<void> save_with(SavedMotion motion, const std::string& output, const Save
     TRY(target.write(files));
     targets.push_back(std::move(target));
   }
-  std::vector<OutputFile> others;
-  if (!options.contacts.empty()) {
-    TRY_ASSIGN(auto file,
-               write_contacts(options.contacts, write.contacts, moved.rate(), write.labels));
-    others.push_back(std::move(file));
-  }
-  if (!options.scene_out.empty()) {
-    TRY_ASSIGN(auto file, write_scene(options.scene_out, moved, write.scene));
-    others.push_back(std::move(file));
-  }
-  if (!reference.empty()) {
-    TRY_ASSIGN(auto made, write_reference(reference, moved, write, options, motion.limits));
-    others.push_back(std::move(made.file));
-  }
+  TRY_ASSIGN(FilesBeside others,
+             write_files_beside(reference, moved, write, options, motion.limits));
   // Commit all files together after they are written.
   for (MotionTarget& target : targets) TRY(target.commit());
-  for (OutputFile& file : others) TRY(file.commit());
+  for (OutputFile& file : others.files) TRY(file.commit());
   return {};
 }
 

@@ -14,8 +14,6 @@
 #include "base/try.h"
 #include "retarget/option_table.h"
 #include "retarget/robot.h"
-#include "retarget/text.h"
-#include "scene/scene_world.h"
 #include "solve/dynamics/motion_dynamics.h"
 
 namespace retarget {
@@ -91,8 +89,8 @@ std::vector<FastStep> fastest_near(const std::vector<FastStep>& steps, double fp
 }
 
 // The largest torque ratio of every step, and its link; only where contacts can supply the forces.
-std::vector<std::pair<double, int>> torque_ratios(const RobotClip& clip, const SceneWorld* scene) {
-  const MotionDynamics dynamics = analyse_dynamics(clip, scene);
+std::vector<std::pair<double, int>> torque_ratios(const RobotClip& clip) {
+  const MotionDynamics dynamics = analyse_dynamics(clip, nullptr);
   std::vector<std::pair<double, int>> ratios(
       static_cast<std::size_t>(std::max(0, clip.frame_count() - 1)), {0.0, -1});
   for (std::size_t i = 0; i < dynamics.samples.size(); ++i) {
@@ -124,10 +122,10 @@ bool takes_torques(const Plan& plan, const Motion& motion) {
 // at half the speed separates the two.
 void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>& needs) {
   if (!takes_torques(plan, motion)) return;
-  const auto now = torque_ratios(motion.clip, nullptr);
+  const auto now = torque_ratios(motion.clip);
   const auto over = [](const auto& entry) { return entry.first > 1.0; };
   if (std::ranges::none_of(now, over)) return;
-  const auto slow = torque_ratios(at_half_speed(motion.clip), nullptr);
+  const auto slow = torque_ratios(at_half_speed(motion.clip));
   const Robot& robot = motion.clip.robot();
   for (std::size_t i = 0; i < now.size(); ++i) {
     const auto& [ratio, link] = now[i];
@@ -257,7 +255,7 @@ class TimeScaleSearch {
   [[nodiscard]] std::vector<double> torque_excess(const Motion& motion) const {
     std::vector<double> excess;
     if (!takes_torques(plan_, motion)) return excess;
-    for (const auto& [ratio, link] : torque_ratios(motion.clip, nullptr)) {
+    for (const auto& [ratio, link] : torque_ratios(motion.clip)) {
       excess.push_back(std::max(0.0, ratio - 1.0));
     }
     return excess;

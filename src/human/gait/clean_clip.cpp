@@ -7,11 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "formats/smpl/joint_motion.h"
 #include "human/gait/contact_plan.h"
+#include "human/gait/end_tracks.h"
+#include "human/gait/joint_jitter.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/repeated_frames.h"
 #include "human/gait/root_drift.h"
@@ -49,57 +50,31 @@ class ClipCleaner {
 
  private:
   void bridge() {
+    // First, because frozen frames between lost ones would be anchors of an interpolation.
+    if (const int lost = bridge_lost_frames(clip_, part_); lost > 0) {
+      report_.notes.push_back(count_text(lost, "lost frame") + " bridged");
+    }
     if (const int frozen = bridge_frozen_frames(clip_, part_); frozen > 0) {
       report_.notes.push_back(count_text(frozen, "frozen frame") + " bridged");
     }
     for (const std::string& lost : bridge_lost_joints(clip_, part_)) {
       report_.notes.push_back(lost + ": bridged");
     }
-    // Positions that have noise were smoothed before their rotations were computed.
+    // Spikes of positions were bridged before their rotations were computed.
     if (!clip_.origin().unknown_rotations.empty()) return;
     for (const std::string& spike : bridge_spikes(clip_, part_, calibration_.metres_per_unit)) {
       report_.notes.push_back(spike + ": bridged");
     }
   }
 
-  // Consecutive quaternions have a dot product >= 0.
-  [[nodiscard]] std::vector<Quaterniond> track(int joint) const {
-    std::vector<Quaterniond> rotations;
-    for (int frame = part_.begin; frame < part_.end; ++frame) {
-      Quaterniond rotation = std::as_const(clip_).rotations(frame)[static_cast<std::size_t>(joint)];
-      if (!rotations.empty() && rotations.back().dot(rotation) < 0.0) {
-        rotation.coeffs() = -rotation.coeffs();
-      }
-      rotations.push_back(rotation);
-    }
-    return rotations;
-  }
-
-  // Joints that rotate bones; excludes fingers.
-  [[nodiscard]] std::set<int> turning_joints() const {
-    std::set<int> joints;
-    for (const Bone bone : kMappedBones) {
-      const int joint = calibration_.bones[bone].rotation_joint;
-      if (joint >= 0) joints.insert(joint);
-    }
-    return joints;
-  }
-
+  // Smooths noise and returns whether it moves the feet.
   bool smooth_rotations() {
-    constexpr int kFewest = 5;        // Joints.
     constexpr double kSlowest = 1.5;  // Hz
     const double frame_time = clip_.rate().frame_time();
-    std::vector<double> steps;
-    int moving = 0;
-    for (const int joint : turning_joints()) {
-      const TrackNoise noise = measure_noise(track(joint), frame_time);
-      moving += noise.moves ? 1 : 0;
-      if (noise.exceeds(kLargeStep)) steps.push_back(noise.step);
-    }
-    if (moving < kFewest || 2 * static_cast<int>(steps.size()) < moving) return false;
+    const JointJitter jitter = find_jitter(clip_, part_, calibration_);
     std::vector<double> cutoffs;
-    for (int joint = 0; joint < clip_.skeleton().joint_count(); ++joint) {
-      const std::vector<Quaterniond> rotations = track(joint);
+    for (const int joint : jitter.joints) {
+      const std::vector<Quaterniond> rotations = rotation_track(clip_, part_, joint);
       const TrackNoise noise = measure_noise(rotations, frame_time);
       if (!noise.may_exceed(kSmallStep)) continue;
       cutoffs.push_back(cutoff_for(noise, frame_time, kSlowest));
@@ -109,14 +84,17 @@ class ClipCleaner {
             smooth[static_cast<std::size_t>(frame - part_.begin)];
       }
     }
+    if (cutoffs.empty()) return false;
+    const auto [slowest, fastest] = std::ranges::minmax(cutoffs);
+    report_.notes.push_back(
+        fmt::format("jitter of {} degrees per frame (median of {}) smoothed, cutoffs {} to {} Hz",
+                    number_text(median(jitter.steps) * 180.0 / std::numbers::pi, 1), jitter.of,
+                    number_text(slowest, 1), number_text(fastest, 1)));
+    if (jitter.foot_steps.empty()) return false;
     // The remaining noise is slow. Estimate its speed from the drift of a straight leg over kTime.
     constexpr double kTime = 0.125;  // Seconds.
-    report_.foot_speed = kUsualSourceLeg * median(steps) / std::sqrt(kTime * frame_time);
-    const auto [slowest, fastest] = std::ranges::minmax(cutoffs);
-    report_.notes.push_back(fmt::format(
-        "jitter of {} degrees per frame (median of {} of {}) smoothed, cutoffs {} to {} Hz",
-        number_text(median(steps) * 180.0 / std::numbers::pi, 1), steps.size(),
-        count_text(moving, "joint"), number_text(slowest, 1), number_text(fastest, 1)));
+    report_.foot_speed =
+        kUsualSourceLeg * median(jitter.foot_steps) / std::sqrt(kTime * frame_time);
     return true;
   }
 
@@ -148,22 +126,7 @@ class ClipCleaner {
     }
   }
 
-  struct FeetAndHips {
-    SourceFeet feet;
-    std::vector<Vector3d> hips;
-  };
-
-  [[nodiscard]] FeetAndHips read_feet() const {
-    HumanPoser poser(clip_, calibration_);
-    FeetAndHips read{SourceFeet(poser.info()), {}};
-    HumanPose pose;
-    for (int frame = part_.begin; frame < part_.end; ++frame) {
-      poser.pose(frame, pose);
-      read.feet.add(pose);
-      read.hips.push_back(pose[Bone::kHips].translation);
-    }
-    return read;
-  }
+  [[nodiscard]] FeetAndHips read_feet() const { return feet_and_hips(clip_, calibration_, part_); }
 
   void move_root() {
     const int moved = body_joint(clip_.skeleton(), calibration_);
@@ -175,32 +138,61 @@ class ClipCleaner {
     // This drift is not the path of a body whose root translation is missing: correcting it would
     // cover a part of the path and hide the fault from the gates.
     if (!jittery_ && root_is_missing(feet, hips)) return;
-    const RootDrift found = find_root_drift(feet, hips, {jittery_, jittery_ || evidence.climbs()});
+    // A leg that is not tracked moves with the hips, like a foot that stands while the root drifts.
+    if (find_still_limbs(clip_, part_, calibration_).leg) return;
+    const DriftRule rule{jittery_, jittery_ || evidence.climbs(), evidence.climbs_steadily};
+    const RootDrift found = find_root_drift(feet, hips, rule);
     if (found.drift.empty() || (!jittery_ && !found.helps())) return;
-    Clip uncorrected = clip_;
+    if (!jittery_ && loses_contacts(found, moved, feet)) return;
     remove(found.drift, moved);
-    // In a fast run with noise few feet stand, and the solution follows those that swing.
-    constexpr double kLeastShare = 0.7;
-    if (!jittery_ && contact_time(read_feet().feet) < kLeastShare * contact_time(feet)) {
-      clip_ = std::move(uncorrected);
-      return;
-    }
-    report_.notes.push_back(root_note(found));
+    report_.notes.push_back(root_note(found, evidence));
     report_.root_moved = found.farthest;
     if (jittery_) hold_feet(moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
   }
 
-  static std::string root_note(const RootDrift& found) {
-    const std::string moved =
-        fmt::format("the root moved by up to {} m, because ", number_text(found.farthest, 2));
-    if (!found.calms_feet() && found.helps()) {
-      return moved + fmt::format("standing feet {} by {} m over the clip",
-                                 found.climb_before > 0.0 ? "rose" : "sank",
-                                 number_text(std::abs(found.climb_before), 2));
+  // In a fast run with noise few feet stand, and the solution follows those that swing. Then its
+  // vertical part is wrong, too.
+  [[nodiscard]] bool loses_contacts(const RootDrift& found, int moved, const SourceFeet& feet) {
+    constexpr double kLeastShare = 0.7;
+    Clip uncorrected = clip_;
+    std::vector<Vector3d> whole = found.drift;
+    for (std::size_t i = 0; i < found.discarded_heights.size(); ++i) {
+      whole[i].z() += found.discarded_heights[i];
     }
-    return moved + fmt::format("standing feet slid at {} m/s; now {} m/s",
-                               number_text(found.speed_before, 2),
-                               number_text(found.speed_after, 2));
+    remove(whole, moved);
+    const std::int64_t left = contact_time(read_feet().feet);
+    clip_ = std::move(uncorrected);
+    return static_cast<double>(left) < kLeastShare * static_cast<double>(contact_time(feet));
+  }
+
+  [[nodiscard]] std::string root_note(const RootDrift& found, const RootEvidence& evidence) const {
+    return fmt::format("the root moved by up to {} m, because ", number_text(found.farthest, 2)) +
+           root_reason(found, evidence);
+  }
+
+  // The evidence that started the correction. Feet that climb slowly hardly slide.
+  [[nodiscard]] std::string root_reason(const RootDrift& found,
+                                        const RootEvidence& evidence) const {
+    constexpr double kSlides = 0.05;  // m/s
+    const auto climbed = [](double metres) {
+      return fmt::format("standing feet {} by {} m over the clip", metres > 0.0 ? "rose" : "sank",
+                         number_text(std::abs(metres), 2));
+    };
+    const bool slid = found.speed_before > kSlides && found.speed_after < found.speed_before;
+    if (slid && (jittery_ || found.calms_feet())) {
+      return fmt::format("standing feet slid at {} m/s; now {} m/s",
+                         number_text(found.speed_before, 2), number_text(found.speed_after, 2));
+    }
+    if (evidence.climbs_steadily) return climbed(evidence.climb);
+    if (!jittery_ && !found.calms_feet()) return climbed(found.climb_before);
+    if (jittery_) return "the joints had noise";
+    if (evidence.shake_speed > kClimbSpeed) {
+      return fmt::format("standing feet rose and sank at {} m/s",
+                         number_text(evidence.shake_speed, 2));
+    }
+    // The median speed is low if the feet slid for a part of the time.
+    return fmt::format("standing feet slid at {} m/s",
+                       number_text(std::max(evidence.speed, evidence.single_speed), 2));
   }
 
   // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
@@ -294,12 +286,36 @@ JointMotion motion_of(const Clip& clip, const std::vector<std::vector<Vector3d>>
   return motion;
 }
 
+// Replaces the positions and recomputes the rotations. @return false if the clip is unchanged.
+bool remake(Clip& clip, const std::vector<std::vector<Vector3d>>& tracks) {
+  auto remade = clip_of_joints(motion_of(clip, tracks), clip.name());
+  // The bone map refers to joints by index, so their order must not change.
+  if (!remade || remade->skeleton().names() != clip.skeleton().names()) return false;
+  remade->set_origin(clip.origin());
+  clip = *std::move(remade);
+  return true;
+}
+
+bool has_positions_only(const Clip& clip) {
+  return !clip.origin().unknown_rotations.empty() && clip.frame_count() > 0;
+}
+
 }  // namespace
+
+std::vector<std::string> bridge_position_spikes(Clip& clip) {
+  constexpr double kLeast = 0.06;  // Share of the body's extent: 10 cm.
+  if (!has_positions_only(clip)) return {};
+  std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);
+  std::vector<std::string> found =
+      bridge_spikes(tracks, clip.skeleton().names(), clip.rate(), kLeast * body_extent(tracks));
+  if (found.empty() || !remake(clip, tracks)) return {};
+  return found;
+}
 
 std::string clean_positions(Clip& clip) {
   constexpr double kStep = 0.003;   // Share of the body's extent.
   constexpr double kSlowest = 2.0;  // Hz
-  if (clip.origin().unknown_rotations.empty() || clip.frame_count() == 0) return {};
+  if (!has_positions_only(clip)) return {};
   std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);
   const double extent = body_extent(tracks), frame_time = clip.rate().frame_time();
   std::vector<double> steps;
@@ -314,11 +330,7 @@ std::string clean_positions(Clip& clip) {
     const double cutoff = cutoff_for(noises[joint], frame_time, kSlowest);
     tracks[joint] = smoothed(tracks[joint], cutoff, frame_time);
   }
-  auto remade = clip_of_joints(motion_of(clip, tracks), clip.name());
-  // The bone map refers to joints by index, so their order must not change.
-  if (!remade || remade->skeleton().names() != clip.skeleton().names()) return {};
-  remade->set_origin(clip.origin());
-  clip = *std::move(remade);
+  if (!remake(clip, tracks)) return {};
   return fmt::format("jitter of {} % of the body size per frame (median of {} of {}) smoothed",
                      number_text(100.0 * median(steps) / extent, 1), steps.size(),
                      count_text(tracks.size(), "joint"));

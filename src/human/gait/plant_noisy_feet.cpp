@@ -249,15 +249,7 @@ class NoisyFootPlanter {
   }
 
  private:
-  void read_feet() {
-    HumanPoser poser(clip_, calibration_);
-    feet_ = SourceFeet(poser.info());
-    HumanPose pose;
-    for (int frame = part_.begin; frame < part_.end; ++frame) {
-      poser.pose(frame, pose);
-      feet_.add(pose);
-    }
-  }
+  void read_feet() { feet_ = feet_and_hips(clip_, calibration_, part_).feet; }
 
   [[nodiscard]] Track track_of(int foot, int end) const {
     Track track;

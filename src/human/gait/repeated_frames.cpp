@@ -12,10 +12,10 @@
 namespace retarget {
 namespace {
 
-// Sum of the rotation angles of all joints from a frame to the next one.
-double turn_of_body(const Clip& clip, int frame) {
-  const auto from = std::as_const(clip).rotations(frame);
-  const auto to = std::as_const(clip).rotations(frame + 1);
+// Sum of the rotation angles of all joints from a frame to another one.
+double turn_between(const Clip& clip, int a, int b) {
+  const auto from = std::as_const(clip).rotations(a);
+  const auto to = std::as_const(clip).rotations(b);
   double sum = 0.0;
   for (std::size_t joint = 0; joint < from.size(); ++joint) {
     sum += log_so3(from[joint].conjugate() * to[joint]).norm();
@@ -23,11 +23,20 @@ double turn_of_body(const Clip& clip, int frame) {
   return sum;
 }
 
-bool equal_frames(const Clip& clip, int a, int b) {
+// The same to the next frame.
+double turn_of_body(const Clip& clip, int frame) {
+  return turn_between(clip, frame, frame + 1);
+}
+
+bool equal_rotations(const Clip& clip, int a, int b) {
   const auto same = [](const Eigen::Quaterniond& p, const Eigen::Quaterniond& q) {
     return p.coeffs() == q.coeffs();
   };
-  return std::ranges::equal(clip.rotations(a), clip.rotations(b), same) &&
+  return std::ranges::equal(clip.rotations(a), clip.rotations(b), same);
+}
+
+bool equal_frames(const Clip& clip, int a, int b) {
+  return equal_rotations(clip, a, b) &&
          std::ranges::equal(clip.translations(a), clip.translations(b));
 }
 
@@ -41,11 +50,12 @@ std::vector<double> turns_of_body(const Clip& clip, FrameRange part) {
 }
 
 // Runs of equal frames, also those of a single frame.
-std::vector<FrameRange> runs_of_equal_frames(const Clip& clip, FrameRange part) {
+std::vector<FrameRange> runs_of_equal_frames(const Clip& clip, FrameRange part,
+                                             bool (*equal)(const Clip&, int, int) = equal_frames) {
   std::vector<FrameRange> runs;
   for (int begin = part.begin, end = 0; begin < part.end; begin = end) {
     end = begin + 1;
-    while (end < part.end && equal_frames(clip, begin, end)) ++end;
+    while (end < part.end && equal(clip, begin, end)) ++end;
     runs.push_back({begin, end});
   }
   return runs;
@@ -110,27 +120,49 @@ namespace {
 constexpr int kFewestFrozen = 3, kAroundFrozen = 5;
 constexpr double kLongestFrozen = 1.0;  // Seconds.
 
-// A run of equal frames within a movement, and the step after it relative to the steps around it.
+// Smallest jump of a body relative to its usual step.
+constexpr double kFreezeJump = 3.0;
+
+// A run of equal frames within a movement, and the steps before and after it relative to the steps
+// around it.
 struct Freeze {
   FrameRange run;
-  double turned = 0.0;  // Rotation in that step, summed over the joints.
-  double moved = 0.0;   // Translation in that step.
+  double turned_in = 0.0;    // Rotation in the step to its first frame, summed over the joints.
+  double turned = 0.0;       // The same in the step after its last frame.
+  double across = 0.0;       // The same from the frame before the run to the frame after it.
+  double moved = 0.0;        // Translation in the step after its last frame.
+  bool follows_one = false;  // The frame before it is frozen, too.
   double usual_turn = 0.0, usual_move = 0.0;
 
   [[nodiscard]] int length() const { return run.end - run.begin; }
 
+  // Whether the body jumps into a pose that is not on its way: after it, the body comes back. In a
+  // freeze, the first frame is on the way; after another freeze the body catches up to it.
+  [[nodiscard]] bool is_off_the_way() const {
+    constexpr double kLeastTurn = 0.2, kDetour = 1.5;  // Rad; relative to the way across the run.
+    return !follows_one && turned_in > std::max(kFreezeJump * usual_turn, kLeastTurn) &&
+           turned_in + turned > kDetour * across;
+  }
+
+  // Whether the pose is certainly not the body's.
+  [[nodiscard]] bool is_lost(double frame_time) const {
+    constexpr double kLeastTurn = 1.0;  // Rad.
+    return length() * frame_time <= kLongestFrozen && is_off_the_way() &&
+           std::min(turned_in, turned) > std::max(kFreezeJump * usual_turn, kLeastTurn);
+  }
+
   // Whether the body catches up in a single step, to where it would have turned meanwhile.
   [[nodiscard]] bool catches_up(double frame_time) const {
-    return length() * frame_time <= kLongestFrozen &&
+    return length() * frame_time <= kLongestFrozen && !is_off_the_way() &&
            turned > std::max(2.0, 0.4 * length()) * usual_turn;
   }
 
   // Whether the body jumps, although it may have turned back meanwhile. The least sizes exclude
   // files of few digits, whose resting joints tick.
   [[nodiscard]] bool jumps(double metres_per_unit) const {
-    constexpr double kJump = 3.0, kLeastTurn = 0.2, kLeastMove = 0.05;  // Rad, metres.
-    return (turned > kJump * usual_turn && turned > kLeastTurn) ||
-           (moved > kJump * usual_move && moved * metres_per_unit > kLeastMove);
+    constexpr double kLeastTurn = 0.2, kLeastMove = 0.05;  // Rad, metres.
+    return (turned > kFreezeJump * usual_turn && turned > kLeastTurn) ||
+           (moved > kFreezeJump * usual_move && moved * metres_per_unit > kLeastMove);
   }
 };
 
@@ -142,9 +174,10 @@ double move_of_body(const Clip& clip, int frame) {
   return sum;
 }
 
-std::vector<Freeze> find_freezes(const Clip& clip, FrameRange part) {
+std::vector<Freeze> find_freezes(const Clip& clip, const std::vector<FrameRange>& runs,
+                                 FrameRange part) {
   std::vector<Freeze> found;
-  for (const FrameRange& run : runs_of_equal_frames(clip, part)) {
+  for (const FrameRange& run : runs) {
     if (run.end - run.begin < kFewestFrozen || run.begin - kAroundFrozen < part.begin ||
         run.end + kAroundFrozen >= part.end) {
       continue;
@@ -159,32 +192,73 @@ std::vector<Freeze> find_freezes(const Clip& clip, FrameRange part) {
     // The body also moves before and after the run.
     const double usual = median(turns);
     if (!(usual > 0.0)) continue;
-    found.push_back({run, turn_of_body(clip, run.end - 1), move_of_body(clip, run.end - 1), usual,
-                     median(moves)});
+    found.push_back({run, turn_of_body(clip, run.begin - 1), turn_of_body(clip, run.end - 1),
+                     turn_between(clip, run.begin - 1, run.end), move_of_body(clip, run.end - 1),
+                     equal_rotations(clip, run.begin - 2, run.begin - 1), usual, median(moves)});
   }
   return found;
 }
 
+// Runs of equal rotations that are not the body's. The root may travel on meanwhile.
+std::vector<FrameRange> find_lost_runs(const Clip& clip, FrameRange part) {
+  std::vector<FrameRange> lost;
+  const std::vector<FrameRange> runs = runs_of_equal_frames(clip, part, equal_rotations);
+  for (const Freeze& freeze : find_freezes(clip, runs, part)) {
+    if (freeze.is_lost(clip.rate().frame_time())) lost.push_back(freeze.run);
+  }
+  return lost;
+}
+
+// Translations that change in the run are not lost.
+void bridge_lost_run(Clip& clip, FrameRange run) {
+  const auto joints = static_cast<std::size_t>(clip.skeleton().joint_count());
+  for (std::size_t joint = 0; joint < joints; ++joint) bridge_rotations(clip, joint, run);
+  const std::size_t slots = std::as_const(clip).translations(run.begin).size();
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    bool still = true;
+    for (int frame = run.begin + 1; frame < run.end; ++frame) {
+      still = still && std::as_const(clip).translations(frame)[slot] ==
+                           std::as_const(clip).translations(run.begin)[slot];
+    }
+    if (still) bridge_translations(clip, slot, run);
+  }
+}
+
+// Clips in which more than a third of the frames are frozen or lost do not show their movement.
+bool are_too_many(int frames, FrameRange part) {
+  return 3 * frames > part.end - part.begin;
+}
+
 }  // namespace
+
+int bridge_lost_frames(Clip& clip, FrameRange part) {
+  const std::vector<FrameRange> runs = find_lost_runs(clip, part);
+  int lost = 0;
+  for (const FrameRange& run : runs) lost += run.end - run.begin;
+  if (are_too_many(lost, part)) return 0;
+  for (const FrameRange& run : runs) bridge_lost_run(clip, run);
+  return lost;
+}
 
 int bridge_frozen_frames(Clip& clip, FrameRange part) {
   std::vector<FrameRange> runs;
   int frozen = 0;
-  for (const Freeze& freeze : find_freezes(clip, part)) {
+  for (const Freeze& freeze : find_freezes(clip, runs_of_equal_frames(clip, part), part)) {
     if (!freeze.catches_up(clip.rate().frame_time())) continue;
     runs.push_back({freeze.run.begin + 1, freeze.run.end});
     frozen += freeze.length() - 1;
   }
-  if (3 * frozen > part.end - part.begin) return 0;
+  if (are_too_many(frozen, part)) return 0;
   for (const FrameRange& run : runs) bridge_body(clip, run);
   return frozen;
 }
 
 std::vector<FrameRange> kept_freezes(const Clip& clip, FrameRange part, double metres_per_unit) {
   std::vector<FrameRange> kept;
-  for (const Freeze& freeze : find_freezes(clip, part)) {
-    if (freeze.catches_up(clip.rate().frame_time()) || !freeze.jumps(metres_per_unit)) continue;
-    kept.push_back(freeze.run);
+  for (const Freeze& freeze : find_freezes(clip, runs_of_equal_frames(clip, part), part)) {
+    const double frame_time = clip.rate().frame_time();
+    if (freeze.is_lost(frame_time) || freeze.catches_up(frame_time)) continue;
+    if (freeze.jumps(metres_per_unit)) kept.push_back(freeze.run);
   }
   return kept;
 }

@@ -42,11 +42,15 @@ struct RootEvidence {
 /// Error of the root, by frame.
 struct RootDrift {
   std::vector<Eigen::Vector3d> drift;  ///< World, metres.
-  double speed_before = 0.0;           ///< Median speed of foot ends that probably stand, m/s.
-  double speed_after = 0.0;            ///< The same after the drift is removed.
-  double climb_before = 0.0;           ///< Climb of these foot ends over the clip, metres.
-  double climb_after = 0.0;            ///< The same after the drift is removed.
-  double farthest = 0.0;               ///< Largest distance of the drift from its median, metres.
+  /// Vertical part that was discarded because it moves stances away from one level, metres; empty:
+  /// none.
+  std::vector<double> discarded_heights;
+  /// Median speed of foot ends that probably stand, apart from that of rolling feet, m/s.
+  double speed_before = 0.0;
+  double speed_after = 0.0;   ///< The same after the drift is removed.
+  double climb_before = 0.0;  ///< Climb of these foot ends over the clip, metres.
+  double climb_after = 0.0;   ///< The same after the drift is removed.
+  double farthest = 0.0;      ///< Largest distance of the drift from its median, metres.
 
   /// Whether feet that probably stand are much slower after the drift is removed.
   [[nodiscard]] bool calms_feet() const;
@@ -58,12 +62,16 @@ struct RootDrift {
 struct DriftRule {
   bool jittery = false;  ///< The limbs had noise, some of which remains.
   bool vertical = true;  ///< The root height drifts as well; otherwise it stays unchanged.
+  /// If so: the standing feet climb with the root through the clip. Otherwise a common vertical
+  /// speed of all stances is that of feet that roll, and the root does not have it.
+  bool climbs = true;
 };
 
 /// Finds the drift that makes foot ends that probably stand do so, and keeps them on one level if
 /// they share one: the differences of the drift equal those of the feet. Between stances the drift
 /// is as smooth as within them, and the hips move smoothly without it. Iterative reweighting
-/// removes ends that only seemed to stand.
+/// removes ends that only seemed to stand. A vertical drift is discarded if it moves stances away
+/// from one level.
 /// A vertical drift flattens steps and boxes of less than a few decimetres, because a foot counts
 /// as standing if it is lower than the other one.
 /// @param hips  hip positions by frame; world, metres

@@ -135,6 +135,18 @@ double SourceFeet::support_speed(int frame, std::size_t index) const {
   return short_speed(*this, frame, [&](int t) { return support(t, index); });
 }
 
+FeetAndHips feet_and_hips(const Clip& clip, const Calibration& calibration, FrameRange part) {
+  HumanPoser poser(clip, calibration);
+  FeetAndHips found{SourceFeet(poser.info()), {}};
+  HumanPose pose;
+  for (int frame = part.begin; frame < part.end; ++frame) {
+    poser.pose(frame, pose);
+    found.feet.add(pose);
+    found.hips.push_back(pose[Bone::kHips].translation);
+  }
+  return found;
+}
+
 double leg_length(const HumanClip& human) {
   const SourceFeet feet(human, human.frame_count);
   return feet.legs.empty() ? 0.0 : feet.leg_length();

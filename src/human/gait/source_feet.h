@@ -91,6 +91,15 @@ struct SourceFeet {
   Side leg_ = Side::kLeft;
 };
 
+struct FeetAndHips {
+  SourceFeet feet;
+  std::vector<Eigen::Vector3d> hips;  ///< World, metres.
+};
+
+/// Feet and hips of the human in frames of a clip.
+[[nodiscard]] FeetAndHips feet_and_hips(const Clip& clip, const Calibration& calibration,
+                                        FrameRange part);
+
 /// Length of the left leg (hip to knee to ankle), or of the right one if the left is incomplete:
 /// median over the frames, metres. 0 for a body without legs or a clip without frames.
 [[nodiscard]] double leg_length(const HumanClip& human);

@@ -16,6 +16,40 @@ constexpr double kNearLowest = 0.05;   // Metres.
 constexpr double kLowestShare = 0.02;  // Share of the frames.
 constexpr double kMinStanding = 0.7;   // Seconds, summed over both feet.
 constexpr double kSunk = 0.25;         // Metres by which a body may briefly be too low.
+constexpr double kShortestStay = 0.2;  // Seconds for which a foot stands at least once.
+
+// Height of the lower foot's end; infinite if no foot has this end.
+double lower_end(const SourceFeet& source, int frame, int end) {
+  double z = HUGE_VAL;
+  for (int foot = 0; foot < source.foot_count; ++foot) {
+    if (source.has(foot, end)) z = std::min(z, source.at(frame, foot).end(end).z());
+  }
+  return z;
+}
+
+// Whether the toes are below this height only for a moment, and the body gets there faster than it
+// can fall: its position was lost.
+bool is_lost_below(const SourceFeet& source, double height, double size) {
+  constexpr double kFall = 6.0;  // m/s, from a height of 1.8 m.
+  const double farthest = kSunk * size + kFall * source.frame_time;
+  double seconds = 0.0, last = lower_end(source, 0, kToeEnd);
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    const double now = lower_end(source, frame, kToeEnd);
+    if (now < height) {
+      if (last >= height && last - now < farthest) return false;
+      seconds += source.frame_time;
+    }
+    last = now;
+  }
+  return seconds <= kMinStanding;
+}
+
+// Whether the toes are above this height at the beginning and the end of the clip. A clip that
+// begins or ends lower may begin before a step up or end with a step down.
+bool is_above_at_ends(const SourceFeet& source, double height) {
+  return lower_end(source, 0, kToeEnd) > height &&
+         lower_end(source, source.frame_count() - 1, kToeEnd) > height;
+}
 
 }  // namespace
 
@@ -30,7 +64,7 @@ void StandingHeightFinder::find_slow_feet(const SourceFeet& source, double speed
       if (source.has_toe[foot] && is_like_standing(now) &&
           source.speed(frame, foot, kToeEnd) < speed &&
           source.speed(frame, foot, kHeelEnd) < speed) {
-        slow_.push_back({frame, now.end(kHeelEnd).z(), now.toe.z()});
+        slow_.push_back({frame, foot, now.end(kHeelEnd).z(), now.toe.z(), now.sole_up > kSoleUp});
       }
     }
   }
@@ -53,28 +87,60 @@ StandingHeightFinder::Feet StandingHeightFinder::between(Feet standing, double f
   return {begin, end};
 }
 
+bool StandingHeightFinder::carries(Feet level, double frame_time) {
+  return static_cast<double>(level.size()) * frame_time > kMinStanding;
+}
+
 // Whether feet stand at this level only once and for a small share of the standing time: a body
 // that sinks after a flip, or lost markers.
 bool StandingHeightFinder::is_a_moment(Feet level, std::size_t standing, double frame_time) {
   constexpr double kLittle = 0.1;
+  if (level.empty()) return false;
   if (static_cast<double>(level.size()) >= kLittle * static_cast<double>(standing)) return false;
   const auto [first, last] = std::ranges::minmax(level, {}, &StandingFoot::frame);
   return (last.frame - first.frame) * frame_time <= kMinStanding;
 }
 
-// Returns the feet that stand on the floor: those of the lowest level, up to `band` above the
-// lowest toes. If that level is only a moment and another level with standing feet is near, returns
-// the latter; otherwise all other feet would stand in the air.
-StandingHeightFinder::Feet StandingHeightFinder::feet_on_floor(Feet standing, double lowest,
-                                                               double band, double near,
-                                                               double frame_time) {
-  const auto level = between(standing, -HUGE_VAL, lowest + band);
-  if (level.empty() || !is_a_moment(level, standing.size(), frame_time)) return level;
-  for (const StandingFoot& foot : standing.subspan(level.size())) {
-    if (foot.toe > lowest + near) break;
-    const auto higher = between(standing, foot.toe, foot.toe + band);
-    const bool carries = static_cast<double>(higher.size()) * frame_time > kMinStanding;
-    if (carries && !is_a_moment(higher, standing.size(), frame_time)) return higher;
+// Whether no foot stays at this level: at the lowest point of a dip, feet are slow, but not for
+// long.
+bool StandingHeightFinder::is_only_passed(Feet level, double frame_time) {
+  if (carries(level, frame_time)) return false;
+  const auto has = [&](int foot, int frame) {
+    return std::ranges::any_of(level, [&](const StandingFoot& other) {
+      return other.foot == foot && other.frame == frame;
+    });
+  };
+  return std::ranges::none_of(level, [&](const StandingFoot& first) {
+    if (has(first.foot, first.frame - 1)) return false;
+    int frames = 1;
+    while (has(first.foot, first.frame + frames)) ++frames;
+    return frames * frame_time >= kShortestStay;
+  });
+}
+
+// Returns the feet that stand on the floor: those of the lowest level, up to kNearLowest above the
+// lowest toes. If that level is only a moment or a dip, returns the next level with standing feet;
+// otherwise all other feet would stand in the air. That level is near, unless the position of the
+// body was lost meanwhile.
+StandingHeightFinder::Feet StandingHeightFinder::feet_on_floor(const SourceFeet& source,
+                                                               double lowest, double size) {
+  const double band = kNearLowest * size;
+  auto level = between(slow_, -HUGE_VAL, lowest + band);
+  const bool moment = is_a_moment(level, slow_.size(), source.frame_time);
+  if (!moment && !is_only_passed(level, source.frame_time)) return level;
+  if (!moment) {
+    // The upper foot of a body that lies on its side does not stand.
+    std::erase_if(slow_, [](const StandingFoot& foot) { return !foot.upright; });
+    level = between(slow_, -HUGE_VAL, lowest + band);
+  }
+  for (const StandingFoot& foot : Feet(slow_).subspan(level.size())) {
+    const bool is_near = foot.toe <= lowest + kSunk * size;
+    const auto higher = between(slow_, foot.toe, foot.toe + band);
+    if (!carries(higher, source.frame_time)) continue;
+    if (is_a_moment(higher, slow_.size(), source.frame_time)) continue;
+    if (moment && is_near) return higher;
+    const bool lost = is_near || is_lost_below(source, foot.toe - kSunk * size, size);
+    return lost && is_above_at_ends(source, foot.toe - band) ? higher : level;
   }
   return level;
 }
@@ -84,11 +150,7 @@ double StandingHeightFinder::low_height(const SourceFeet& source, int end) {
   std::vector<double>& lowest = values_;
   lowest.clear();
   for (int frame = 0; frame < source.frame_count(); ++frame) {
-    double z = HUGE_VAL;
-    for (int foot = 0; foot < source.foot_count; ++foot) {
-      if (source.has(foot, end)) z = std::min(z, source.at(frame, foot).end(end).z());
-    }
-    lowest.push_back(z);
+    lowest.push_back(lower_end(source, frame, end));
   }
   const auto low =
       lowest.begin() + static_cast<std::ptrdiff_t>(kLowestShare * source.frame_count());
@@ -128,9 +190,8 @@ StandingHeights StandingHeightFinder::heights_of_ends(const SourceFeet& source, 
     return {ankle, ankle - kUsualRise * size, false};
   }
   find_feet_that_stand(source, options.begin_speed * size);
-  const auto level =
-      feet_on_floor(slow_, floor, kNearLowest * size, kSunk * size, source.frame_time);
-  if (static_cast<double>(level.size()) * source.frame_time > kMinStanding) {
+  const auto level = feet_on_floor(source, floor, size);
+  if (carries(level, source.frame_time)) {
     return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),
             true};
   }

@@ -31,9 +31,10 @@ class StandingHeightFinder {
  private:
   // A foot in a frame in which it is as slow and as steep as a supporting foot.
   struct StandingFoot {
-    int frame = 0;
+    int frame = 0, foot = 0;
     double ankle = 0.0,
            toe = 0.0;  // Heights; with a known sole, `ankle` refers to the heel.
+    bool upright = true;
   };
   using Feet = std::span<const StandingFoot>;
 
@@ -42,9 +43,10 @@ class StandingHeightFinder {
                       const IsLikeStanding& is_like_standing);
   void find_feet_that_stand(const SourceFeet& source, double speed);
   [[nodiscard]] static Feet between(Feet standing, double from, double to);
+  [[nodiscard]] static bool carries(Feet level, double frame_time);
   [[nodiscard]] static bool is_a_moment(Feet level, std::size_t standing, double frame_time);
-  [[nodiscard]] static Feet feet_on_floor(Feet standing, double lowest, double band, double near,
-                                          double frame_time);
+  [[nodiscard]] static bool is_only_passed(Feet level, double frame_time);
+  [[nodiscard]] Feet feet_on_floor(const SourceFeet& source, double lowest, double size);
   [[nodiscard]] double low_height(const SourceFeet& source, int end);
   [[nodiscard]] double middle_height(Feet feet, double StandingFoot::*height);
   [[nodiscard]] double guessed_rise(const SourceFeet& source, double floor, double size,

@@ -261,7 +261,7 @@ SurfaceParts::Nearest SurfaceParts::nearest(const SceneWorld& world, int frame, 
     const SurfaceDistance found = world.distance(frame, body, position);
     const double distance = found.distance - points_[part][i].radius;
     if (distance >= nearest.distance) continue;
-    nearest = {distance, found.normal, position - found.distance * found.normal};
+    nearest = {distance, position - found.distance * found.normal};
   }
   return nearest;
 }

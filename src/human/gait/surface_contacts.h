@@ -20,9 +20,6 @@ static_assert(kSupportNames.size() == kSupportBones.size());
 /// kSupportBones, and the palms and finger tips.
 class SurfaceParts {
  public:
-  /// Points of one part; a surface is touched within `radius` of one of them.
-  static constexpr std::size_t kMaxPoints = 3;
-
   SurfaceParts() = default;
   /// @param human  @param scale  leg length / kUsualSourceLeg.
   SurfaceParts(const HumanClipInfo& human, double scale);
@@ -32,11 +29,9 @@ class SurfaceParts {
   [[nodiscard]] int frame_count() const;
   [[nodiscard]] bool has(std::size_t part) const { return has_[part]; }
   [[nodiscard]] double scale() const { return scale_; }
-  /// The distance between the part's surface and a body: negative where it overlaps. The normal and
-  /// `point` belong to the nearest point of the part.
+  /// The distance between the part's surface and a body: negative where it overlaps.
   struct Nearest {
     double distance = 0.0;
-    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     ///< World axes.
     Eigen::Vector3d on_surface = Eigen::Vector3d::Zero();  ///< World, metres.
   };
   [[nodiscard]] Nearest nearest(const SceneWorld& world, int frame, std::size_t part,

@@ -1,14 +1,17 @@
 #include "human/gait/track_faults.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "base/math/banded_system.h"
 #include "human/gait/bridge_frames.h"
 #include "human/gait/frame_runs.h"
+#include "retarget/human_poser.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "retarget/text.h"
@@ -80,33 +83,172 @@ bool is_lost_in(const Clip& clip, int joint, FrameRange part, FrameRange gap) {
   return jump > kSteps * around.step && jump > kBends * frames * frames * around.bend;
 }
 
+// Runs of zero rotations of a joint that are short enough to be bridged, without zero poses.
+std::vector<FrameRange> zero_runs(const Clip& clip, int joint, FrameRange part,
+                                  const std::vector<char>& zero_poses) {
+  constexpr double kLongest = 1.0;  // Seconds.
+  const auto at = static_cast<std::size_t>(joint);
+  const auto is_lost = [&](int frame) {
+    return zero_poses[static_cast<std::size_t>(frame)] == 0 && is_zero(clip.rotations(frame)[at]);
+  };
+  std::vector<FrameRange> runs;
+  for_each_run(part.begin, part.end, is_lost, [&](int begin, int end) {
+    if (!is_lost(begin) || begin == part.begin || end == part.end) return;
+    if ((end - begin) * clip.rate().frame_time() > kLongest) return;
+    runs.push_back({begin, end});
+  });
+  return runs;
+}
+
+bool contains(const std::vector<FrameRange>& runs, const FrameRange& run) {
+  return std::ranges::find(runs, run) != runs.end();
+}
+
+// Adds runs of joints whose parent or child is lost in exactly these frames, such as those of a
+// nearly straight knee: the limb was lost.
+void add_neighbours(const Skeleton& skeleton, const std::vector<std::vector<FrameRange>>& zeros,
+                    std::vector<std::vector<FrameRange>>& lost) {
+  const auto take = [&](std::size_t from, std::size_t to) {
+    bool taken = false;
+    for (const FrameRange& run : zeros[to]) {
+      if (contains(lost[to], run) || !contains(lost[from], run)) continue;
+      lost[to].push_back(run);
+      taken = true;
+    }
+    return taken;
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+      const auto at = static_cast<std::size_t>(joint);
+      const int parent = skeleton.joint(joint).parent;
+      // A lost limb is not a lost body.
+      if (parent < 0) continue;
+      const auto above = static_cast<std::size_t>(parent);
+      changed = take(above, at) || changed;
+      if (parent > 0) changed = take(at, above) || changed;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
-  constexpr double kLongest = 1.0;  // Seconds.
   std::vector<std::string> found;
-  const std::vector<char> zero = zero_poses(clip, part);
+  const std::vector<char> poses = zero_poses(clip, part);
+  std::vector<std::vector<FrameRange>> zeros, lost;
+  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+    zeros.push_back(zero_runs(clip, joint, part, poses));
+    lost.emplace_back();
+    for (const FrameRange& run : zeros.back()) {
+      if (is_lost_in(clip, joint, part, run)) lost.back().push_back(run);
+    }
+  }
+  add_neighbours(clip.skeleton(), zeros, lost);
   for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
     const auto at = static_cast<std::size_t>(joint);
-    const auto is_lost = [&](int frame) {
-      return zero[static_cast<std::size_t>(frame)] == 0 &&
-             is_zero(std::as_const(clip).rotations(frame)[at]);
-    };
-    int lost = 0;
-    std::vector<FrameRange> runs;
-    for_each_run(part.begin, part.end, is_lost, [&](int begin, int end) {
-      if (!is_lost(begin) || begin == part.begin || end == part.end) return;
-      if ((end - begin) * clip.rate().frame_time() > kLongest) return;
-      if (!is_lost_in(clip, joint, part, {begin, end})) return;
-      runs.push_back({begin, end});
-      lost += end - begin;
-    });
-    for (const FrameRange& run : runs) bridge_rotations(clip, at, run);
-    if (lost == 0) continue;
+    int frames = 0;
+    for (const FrameRange& run : lost[at]) {
+      bridge_rotations(clip, at, run);
+      frames += run.end - run.begin;
+    }
+    if (frames == 0) continue;
     found.push_back(clip.skeleton().joint(joint).name + " was lost in " +
-                    count_text(lost, "frame"));
+                    count_text(frames, "frame"));
   }
   return found;
+}
+
+namespace {
+
+// A leg or an arm: the bone that it hangs on, its upper and lower bone and the joint at its end.
+struct LimbBones {
+  const char* name;
+  Bone base, upper, lower, end;
+};
+
+constexpr std::array kTrackedLimbs = {
+    LimbBones{"left leg", Bone::kHips, Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot},
+    LimbBones{"right leg", Bone::kHips, Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot},
+    LimbBones{"left arm", Bone::kLeftShoulder, Bone::kLeftArm, Bone::kLeftForeArm, Bone::kLeftHand},
+    LimbBones{"right arm", Bone::kRightShoulder, Bone::kRightArm, Bone::kRightForeArm,
+              Bone::kRightHand}};
+
+// The rotations of a limb's joints in a frame, and how far they get from those of the first frame.
+class LimbMovement {
+ public:
+  LimbMovement(const LimbBones& bones, Bone base, const HumanPose& first)
+      : bones_(bones),
+        base_(base),
+        upper_(between(base, bones.upper, first)),
+        lower_(between(bones.upper, bones.lower, first)),
+        end_(first[bones.end].translation) {}
+
+  void add(const HumanPose& pose) {
+    turned_ =
+        std::max({turned_, angle_between_rotations(upper_, between(base_, bones_.upper, pose)),
+                  angle_between_rotations(lower_, between(bones_.upper, bones_.lower, pose))});
+    travelled_ = std::max(travelled_, (pose[bones_.end].translation - end_).head<2>().norm());
+  }
+
+  [[nodiscard]] bool is_still() const { return turned_ < 0.2 * kDegree; }
+  [[nodiscard]] bool moves() const { return turned_ > 10.0 * kDegree; }
+  [[nodiscard]] bool travels() const { return travelled_ > 0.5; }
+
+ private:
+  static constexpr double kDegree = std::numbers::pi / 180.0;
+
+  static Quaterniond between(Bone from, Bone to, const HumanPose& pose) {
+    return pose[from].rotation.conjugate() * pose[to].rotation;
+  }
+
+  const LimbBones& bones_;
+  Bone base_;
+  Quaterniond upper_, lower_;
+  Eigen::Vector3d end_;
+  double turned_ = 0.0, travelled_ = 0.0;  // Rad, metres.
+};
+
+// The nearest bone of the source that a limb hangs on.
+Bone base_of(const HumanClipInfo& human, const LimbBones& limb) {
+  for (const Bone bone : {limb.base, Bone::kSpine2, Bone::kSpine1, Bone::kSpine}) {
+    if (human.has(bone)) return bone;
+  }
+  return Bone::kHips;
+}
+
+}  // namespace
+
+StillLimbs find_still_limbs(const Clip& clip, FrameRange part, const Calibration& calibration) {
+  StillLimbs still;
+  if (part.begin >= part.end) return still;
+  HumanPoser poser(clip, calibration);
+  const HumanClipInfo human = poser.info();
+  HumanPose pose;
+  poser.pose(part.begin, pose);
+  std::array<std::optional<LimbMovement>, kTrackedLimbs.size()> limbs;
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    const LimbBones& limb = kTrackedLimbs[i];
+    if (!human.has(limb.upper) || !human.has(limb.lower) || !human.has(limb.end)) continue;
+    limbs[i].emplace(limb, base_of(human, limb), pose);
+  }
+  const auto is_still = [](const auto& limb) { return limb && limb->is_still(); };
+  const auto moves = [](const auto& limb) { return limb && limb->moves(); };
+  for (int frame = part.begin; frame < part.end; ++frame) {
+    if (std::ranges::none_of(limbs, is_still)) return still;
+    poser.pose(frame, pose);
+    for (auto& limb : limbs) {
+      if (limb) limb->add(pose);
+    }
+  }
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    const bool leg = i < 2;
+    if (!is_still(limbs[i]) || !moves(limbs[i ^ 1])) continue;
+    if (leg ? !limbs[i]->travels() : !moves(limbs[0]) && !moves(limbs[1])) continue;
+    still.names.emplace_back(kTrackedLimbs[i].name);
+    still.leg = still.leg || leg;
+  }
+  return still;
 }
 
 namespace {
@@ -217,31 +359,34 @@ double cutoff_for(const TrackNoise& noise, double frame_time, double slowest) {
   return std::clamp(sharper, slowest, kFastest);
 }
 
-std::vector<Quaterniond> smoothed(const std::vector<Quaterniond>& rotations, double cutoff,
-                                  double frame_time) {
-  const double strength = smoothing_strength(cutoff, frame_time);
-  std::vector<Quaterniond> result(rotations);
-  std::vector<double> track(rotations.size());
-  for (int part = 0; part < 4; ++part) {
-    for (std::size_t i = 0; i < track.size(); ++i) track[i] = rotations[i].coeffs()[part];
+namespace {
+
+// Smooths the numbers of the values. @param numbers  returns those of a value, `count` in total.
+template <typename Value, typename Numbers>
+void smooth_numbers(std::vector<Value>& values, double strength, int count,
+                    const Numbers& numbers) {
+  std::vector<double> track(values.size());
+  for (int part = 0; part < count; ++part) {
+    for (std::size_t i = 0; i < track.size(); ++i) track[i] = numbers(values[i])[part];
     track = smoothed(track, strength);
-    for (std::size_t i = 0; i < track.size(); ++i) result[i].coeffs()[part] = track[i];
+    for (std::size_t i = 0; i < track.size(); ++i) numbers(values[i])[part] = track[i];
   }
-  for (Quaterniond& rotation : result) rotation.normalize();
-  return result;
 }
 
-std::vector<Vector3d> smoothed(const std::vector<Vector3d>& places, double cutoff,
-                               double frame_time) {
-  const double strength = smoothing_strength(cutoff, frame_time);
-  std::vector<Vector3d> result(places);
-  std::vector<double> track(places.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < track.size(); ++i) track[i] = places[i][axis];
-    track = smoothed(track, strength);
-    for (std::size_t i = 0; i < track.size(); ++i) result[i][axis] = track[i];
-  }
-  return result;
+}  // namespace
+
+std::vector<Quaterniond> smoothed(std::vector<Quaterniond> rotations, double cutoff,
+                                  double frame_time) {
+  smooth_numbers(rotations, smoothing_strength(cutoff, frame_time), 4,
+                 [](Quaterniond& rotation) -> Eigen::Vector4d& { return rotation.coeffs(); });
+  for (Quaterniond& rotation : rotations) rotation.normalize();
+  return rotations;
+}
+
+std::vector<Vector3d> smoothed(std::vector<Vector3d> places, double cutoff, double frame_time) {
+  smooth_numbers(places, smoothing_strength(cutoff, frame_time), 3,
+                 [](Vector3d& place) -> Vector3d& { return place; });
+  return places;
 }
 
 }  // namespace retarget

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "retarget/clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 
@@ -13,6 +14,18 @@ namespace retarget {
 /// continue to move.
 /// @return one sentence per joint: `LeftForeArm was lost in 9 frames`.
 std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part);
+
+/// Limbs that keep their pose through a clip while the others move: they were not tracked.
+struct StillLimbs {
+  std::vector<std::string> names;  ///< As in `left leg`.
+  bool leg = false;                ///< Whether one of them is a leg.
+};
+
+/// Finds a leg or an arm whose bones turn by less than 0.2 degrees relative to the bones that they
+/// hang on, while the other one and a leg turn by more than 10. A leg that only stands also keeps
+/// its pose, so the foot of a still leg must travel over the ground.
+[[nodiscard]] StillLimbs find_still_limbs(const Clip& clip, FrameRange part,
+                                          const Calibration& calibration);
 
 /// Jitter of a track of rotations or positions, measured by changes of velocity between frames. In
 /// a movement neighbouring changes are similar; in noise they alternate. Their correlation is -1/2
@@ -49,9 +62,9 @@ inline constexpr double kLargeStep = 0.3 * 3.14159265358979 / 180.0, kSmallStep 
 
 /// Applies a zero-phase low-pass filter.
 /// @param rotations  neighbours have a dot product >= 0.
-[[nodiscard]] std::vector<Eigen::Quaterniond> smoothed(
-    const std::vector<Eigen::Quaterniond>& rotations, double cutoff, double frame_time);
-[[nodiscard]] std::vector<Eigen::Vector3d> smoothed(const std::vector<Eigen::Vector3d>& places,
+[[nodiscard]] std::vector<Eigen::Quaterniond> smoothed(std::vector<Eigen::Quaterniond> rotations,
+                                                       double cutoff, double frame_time);
+[[nodiscard]] std::vector<Eigen::Vector3d> smoothed(std::vector<Eigen::Vector3d> places,
                                                     double cutoff, double frame_time);
 
 }  // namespace retarget

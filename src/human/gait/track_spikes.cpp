@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <map>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "human/gait/bridge_frames.h"
@@ -18,14 +21,16 @@ using Eigen::Vector3d;
 constexpr int kLongestSpike = 3, kAroundSpike = 3;  // Frames.
 // Largest step around a spike, relative to its jumps.
 constexpr double kStepShare = 0.35;
+constexpr double kLongestSpikeFrame = 1.0 / 22.0;  // Seconds.
 
 // Whether the frames of a gap are a spike.
 // @param distance  of two frames
 template <typename Distance>
-bool is_spike(FrameRange part, FrameRange gap, double least, const Distance& distance) {
+bool is_spike(FrameRange part, FrameRange gap, double least, const Distance& distance,
+              double step_share = kStepShare) {
   const int before = gap.begin - 1, after = gap.end;
   const double jump = std::min(distance(before, gap.begin), distance(gap.end - 1, after));
-  if (!(jump > least) || distance(before, after) > kStepShare * jump) return false;
+  if (!(jump > least) || distance(before, after) > step_share * jump) return false;
   double around = 0.0;
   for (int frame = std::max(part.begin, before - kAroundSpike); frame < before; ++frame) {
     around = std::max(around, distance(frame, frame + 1));
@@ -34,7 +39,7 @@ bool is_spike(FrameRange part, FrameRange gap, double least, const Distance& dis
   for (int frame = after; frame < last; ++frame) {
     around = std::max(around, distance(frame, frame + 1));
   }
-  return around < kStepShare * jump;
+  return around < step_share * jump;
 }
 
 // Calls bridge(gap) for each spike. @return number of frames of all spikes.
@@ -79,9 +84,8 @@ int bridge_moves(Clip& clip, FrameRange part, std::size_t slot, double metres_pe
 }  // namespace
 
 std::vector<std::string> bridge_spikes(Clip& clip, FrameRange part, double metres_per_unit) {
-  constexpr double kLongestFrame = 1.0 / 22.0;  // Seconds.
   std::vector<std::string> found;
-  if (clip.rate().frame_time() > kLongestFrame) return found;
+  if (clip.rate().frame_time() > kLongestSpikeFrame) return found;
   for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
     int frames = bridge_turns(clip, part, static_cast<std::size_t>(joint));
     if (const int slot = clip.skeleton().translation_slot(joint); slot >= 0) {
@@ -93,6 +97,163 @@ std::vector<std::string> bridge_spikes(Clip& clip, FrameRange part, double metre
                     count_text(frames, "frame"));
   }
   return found;
+}
+
+namespace {
+
+using PointTrack = std::vector<Vector3d>;
+
+// Whether a point leaves its way in a gap. On its way it moves at the mean velocity across the gap,
+// because a swinging foot does not stand before and after a spike.
+bool leaves_way(const PointTrack& track, FrameRange gap, double least, double step_share) {
+  const auto at = [&](int frame) -> const Vector3d& {
+    return track[static_cast<std::size_t>(frame)];
+  };
+  const Vector3d step = (at(gap.end) - at(gap.begin - 1)) / (gap.end - gap.begin + 1);
+  const auto distance = [&](int a, int b) { return (at(b) - at(a) - (b - a) * step).norm(); };
+  return is_spike({0, static_cast<int>(track.size())}, gap, least, distance, step_share);
+}
+
+std::vector<FrameRange> spikes_of(const PointTrack& track, double least) {
+  std::vector<FrameRange> found;
+  const auto count = static_cast<int>(track.size());
+  for (int begin = 1; begin + 1 < count; ++begin) {
+    const int last = std::min(begin + kLongestSpike, count - 1);
+    for (int end = begin + 1; end <= last; ++end) {
+      if (!leaves_way(track, {begin, end}, least, kStepShare)) continue;
+      found.push_back({begin, end});
+      begin = end;
+      break;
+    }
+  }
+  return found;
+}
+
+// Puts the frames of a gap on the straight line across it. @return their distances from it
+PointTrack straighten(PointTrack& track, FrameRange gap) {
+  const Vector3d before = track[static_cast<std::size_t>(gap.begin) - 1];
+  const Vector3d after = track[static_cast<std::size_t>(gap.end)];
+  PointTrack off;
+  for (int frame = gap.begin; frame < gap.end; ++frame) {
+    const double share = (frame - gap.begin + 1.0) / (gap.end - gap.begin + 1.0);
+    Vector3d& place = track[static_cast<std::size_t>(frame)];
+    off.push_back(place - before - share * (after - before));
+    place -= off.back();
+  }
+  return off;
+}
+
+// @param gaps  sorted and disjoint
+bool overlaps(const std::vector<FrameRange>& gaps, FrameRange gap) {
+  const auto next = std::ranges::upper_bound(gaps, gap.begin, {}, &FrameRange::end);
+  return next != gaps.end() && next->begin < gap.end;
+}
+
+// The root in the world, and the other joints relative to it.
+class BodySpikes {
+ public:
+  BodySpikes(std::vector<PointTrack>& tracks, double least)
+      : tracks_(tracks), least_(least), counts_(tracks.size(), 0) {}
+
+  void bridge() {
+    for (PointTrack& track : joints()) add_root(track, -1.0);
+    bridge_root();
+    bridge_joints();
+    for (PointTrack& track : joints()) add_root(track, 1.0);
+  }
+
+  [[nodiscard]] std::vector<std::string> texts(const std::vector<std::string>& names) const {
+    std::vector<std::string> texts, moved;
+    if (of_body_ > 0) texts.push_back("the body jumped away in " + count_text(of_body_, "frame"));
+    int most = 0, least = std::numeric_limits<int>::max();
+    for (std::size_t joint = 0; joint < counts_.size(); ++joint) {
+      if (counts_[joint] == 0) continue;
+      moved.push_back(names[joint]);
+      most = std::max(most, counts_[joint]);
+      least = std::min(least, counts_[joint]);
+    }
+    if (moved.empty()) return texts;
+    texts.push_back(list_names(moved, 8) + " jumped away in " + (most > least ? "up to " : "") +
+                    count_text(most, "frame"));
+    return texts;
+  }
+
+ private:
+  [[nodiscard]] std::span<PointTrack> joints() { return std::span(tracks_).subspan(1); }
+
+  void add_root(PointTrack& track, double sign) const {
+    for (std::size_t i = 0; i < track.size(); ++i) track[i] += sign * tracks_[0][i];
+  }
+
+  // If the root alone leaves its way, the other joints leave theirs relative to it.
+  void bridge_root() {
+    PointTrack& root = tracks_[0];
+    for (const FrameRange& gap : spikes_of(root, least_)) {
+      const auto others = std::ranges::count_if(joints(), [&](const PointTrack& track) {
+        return leaves_way(track, gap, 0.5 * least_, kStepShare);
+      });
+      const bool alone = 2 * static_cast<std::size_t>(others) > joints().size();
+      (alone ? counts_[0] : of_body_) += gap.end - gap.begin;
+      const PointTrack off = straighten(root, gap);
+      if (!alone) continue;
+      for (PointTrack& track : joints()) {
+        for (std::size_t i = 0; i < off.size(); ++i) {
+          track[static_cast<std::size_t>(gap.begin) + i] += off[i];
+        }
+      }
+    }
+  }
+
+  void bridge_joints() {
+    std::vector<std::vector<FrameRange>> gaps(tracks_.size());
+    for (std::size_t joint = 1; joint < tracks_.size(); ++joint) {
+      gaps[joint] = spikes_of(tracks_[joint], least_);
+    }
+    add_weaker(gaps);
+    for (std::size_t joint = 1; joint < tracks_.size(); ++joint) {
+      for (const FrameRange& gap : gaps[joint]) {
+        straighten(tracks_[joint], gap);
+        counts_[joint] += gap.end - gap.begin;
+      }
+    }
+  }
+
+  // Exchanged legs are several spikes, some of which are short. A joint needs less evidence if
+  // others jump in the same frames.
+  void add_weaker(std::vector<std::vector<FrameRange>>& gaps) const {
+    constexpr double kShare = 0.7, kLeast = 0.5;
+    constexpr int kFewest = 2;  // Joints.
+    std::map<std::pair<int, int>, int> joints_of_gap;
+    for (const auto& list : gaps) {
+      for (const FrameRange& gap : list) ++joints_of_gap[{gap.begin, gap.end}];
+    }
+    for (const auto& [ends, count] : joints_of_gap) {
+      if (count < kFewest) continue;
+      const FrameRange gap{ends.first, ends.second};
+      for (std::size_t joint = 1; joint < tracks_.size(); ++joint) {
+        std::vector<FrameRange>& own = gaps[joint];
+        if (overlaps(own, gap)) continue;
+        if (!leaves_way(tracks_[joint], gap, kLeast * least_, kShare)) continue;
+        own.insert(std::ranges::upper_bound(own, gap.begin, {}, &FrameRange::begin), gap);
+      }
+    }
+  }
+
+  std::vector<PointTrack>& tracks_;
+  double least_;
+  std::vector<int> counts_;  // Bridged frames by joint.
+  int of_body_ = 0;          // Bridged frames of the whole body.
+};
+
+}  // namespace
+
+std::vector<std::string> bridge_spikes(std::vector<std::vector<Vector3d>>& tracks,
+                                       const std::vector<std::string>& names, FrameRate rate,
+                                       double least) {
+  if (tracks.empty() || rate.frame_time() > kLongestSpikeFrame || !(least > 0.0)) return {};
+  BodySpikes spikes(tracks, least);
+  spikes.bridge();
+  return spikes.texts(names);
 }
 
 }  // namespace retarget

@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/source_feet.h"
@@ -141,14 +140,8 @@ class TravelScaler {
   [[nodiscard]] double frame_time() const { return clip_.rate().frame_time(); }
 
   void read_human() {
-    HumanPoser poser(clip_, calibration_);
-    SourceFeet feet(poser.info());
-    HumanPose pose;
-    for (int frame = first_; frame < clip_.frame_count(); ++frame) {
-      poser.pose(frame, pose);
-      feet.add(pose);
-      path_.emplace_back(pose[Bone::kHips].translation.head<2>());
-    }
+    const auto [feet, hips] = feet_and_hips(clip_, calibration_, {first_, clip_.frame_count()});
+    for (const Eigen::Vector3d& place : hips) path_.emplace_back(place.head<2>());
     if (feet.foot_count > 0) contacts_ = find_contacts(feet, options_);
   }
 

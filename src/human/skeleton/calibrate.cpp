@@ -305,6 +305,10 @@ class Calibrator {
     result.profile = map_.profile;
     evidence_ = found.evidence;
     if (!found.doubt.empty()) doubt(found.doubt);
+    if (const auto guessed = forearms_without_length(body_, posed.pose); !guessed.empty()) {
+      doubt("no length is known for " + list_names(guessed) +
+            ", so the direction is a guess; hand joints or end sites determine it");
+    }
     if (options_.forward) {
       auto text = doubt_stated_forward(body_, posed, *options_.forward);
       if (!text.empty()) doubt(std::move(text));

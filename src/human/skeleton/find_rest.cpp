@@ -196,7 +196,8 @@ std::vector<ScoredRest> scored_rests(const RestSearch& search, const std::option
   const auto add = [&](std::optional<RestCandidate> pose, std::string name) {
     if (!pose) return;
     JointFromBone axes = axes_in(search, *pose);
-    const double error = expected_error(axes, learned);
+    const double off = deviation_from_t(search.body, *pose).mean;
+    const double error = expected_error_of_pose(axes, off, learned);
     scored.push_back({Rest{*std::move(pose), std::move(axes), std::move(name), {}, {}}, error});
   };
   if (meant) {
@@ -354,6 +355,23 @@ double expected_error(const LearnedAxes& learned) {
   return mean_square_root(
       learned.axes, learned.axes, [&](Bone bone) { return learned.error[bone]; },
       [](Bone) { return 1.0; });
+}
+
+double expected_error_of_pose(const JointFromBone& axes, double off, const LearnedAxes& learned) {
+  const double shown = expected_error(axes, learned);
+  // A pose near a T-pose shows the axes of every bone, one as far as kFar shows nothing.
+  constexpr double kFar = 3.0 * kNearlyT;
+  const double share = std::clamp((off - kNearlyT) / (kFar - kNearlyT), 0.0, 1.0);
+  double bones = 0.0, hidden = 0.0, squares = 0.0;
+  for (const Bone bone : kShownBones) {
+    if (!axes[bone] || !learned.axes[bone]) continue;
+    bones += 1.0;
+    if (learned.is_learned(bone)) continue;
+    hidden += 1.0;
+    squares += share * learned.error[bone] * share * learned.error[bone];
+  }
+  if (!(share > 0.0) || !(hidden > 0.0)) return shown;
+  return std::max(shown, std::sqrt(((bones - hidden) * shown * shown + squares) / bones));
 }
 
 double expected_error(const JointFromBone& axes, const LearnedAxes& learned) {

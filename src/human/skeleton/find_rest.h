@@ -59,6 +59,13 @@ struct RestSearch {
 /// its learned axes.
 [[nodiscard]] double expected_error(const JointFromBone& axes, const LearnedAxes& learned);
 
+/// The same for the axes of a pose that need not be a T-pose. Bones whose axes the movement does
+/// not show, such as arms without a length, hardly count above, so that any pose seems to fit. Here
+/// they have the error of unknown axes, in full for poses 60 degrees or more off a T-pose.
+/// @param off  mean deviation of the pose from a T-pose, degrees
+[[nodiscard]] double expected_error_of_pose(const JointFromBone& axes, double off,
+                                            const LearnedAxes& learned);
+
 /// Returns the root mean square angle between two sets of axes in degrees, over the bones that both have.
 [[nodiscard]] double angle_between_axes(const JointFromBone& a, const JointFromBone& b);
 

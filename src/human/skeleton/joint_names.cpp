@@ -234,9 +234,7 @@ constexpr double kPlain = 0.8;
 
 bool has_word(std::string_view words, std::string_view word) {
   while (!words.empty()) {
-    const std::size_t end = std::min(words.find(' '), words.size());
-    if (words.substr(0, end) == word) return true;
-    words.remove_prefix(std::min(end + 1, words.size()));
+    if (take_until(words, ' ') == word) return true;
   }
   return false;
 }

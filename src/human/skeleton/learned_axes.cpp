@@ -88,6 +88,7 @@ class Learner {
       const double sign = side == Side::kLeft ? 1.0 : -1.0;
       learn_collar(side, sign);
       learn_arm(side);
+      straighten_elbow(side);
       learn_leg(side);
       learn_foot(side);
     }
@@ -109,8 +110,7 @@ class Learner {
   [[nodiscard]] std::optional<Eigen::Matrix3d> standing_axes(Side side) const {
     constexpr std::size_t kMinFlat = 5;
     const int toe = toe_joint(side);
-    if (toe < 0 || flat_frames(side).size() < kMinFlat) return std::nullopt;
-    return level_axes(side, toe);
+    return toe < 0 ? std::nullopt : level_axes(side, toe, kMinFlat);
   }
 
   // The axes with the feet that the movement shows.
@@ -250,6 +250,16 @@ class Learner {
     learn_hinge(side, kArm, kForeArm, kHand);
   }
 
+  // No pose shows the direction of a forearm without a length. In the zero pose of nearly all
+  // skeletons the elbow is straight, even where the pose as a whole is not human.
+  void straighten_elbow(Side side) {
+    const Bone arm = side_bone(side, kArm), forearm = side_bone(side, kForeArm);
+    if (body_.turning_joint(forearm) < 0 || along(body_.segment(forearm), poses_.front())) return;
+    const auto& of_arm = axes_[arm];
+    if (!of_arm) return;
+    axes_[forearm] = *of_arm * canonical_t_pose(arm).transpose() * canonical_t_pose(forearm);
+  }
+
   // Learns Z of a part from the bend between the bones `upper_part` and `lower_part`.
   void learn_hinge(Side side, LimbBone upper_part, LimbBone lower_part, LimbBone part) {
     const Bone upper = side_bone(side, upper_part), lower = side_bone(side, lower_part);
@@ -279,10 +289,13 @@ class Learner {
     return foot < 0 || toe < 0 ? foot : toe;
   }
 
-  // Axes of a flat foot, from the vertical and from its direction.
-  [[nodiscard]] std::optional<Eigen::Matrix3d> level_axes(Side side, int toe) const {
+  // Axes of a flat foot, from the vertical and from its direction, in at least `min_flat` poses.
+  [[nodiscard]] std::optional<Eigen::Matrix3d> level_axes(Side side, int toe,
+                                                          std::size_t min_flat = 1) const {
     Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
-    for (const JointPoses* pose : flat_frames(side)) {
+    const std::vector<const JointPoses*> flat = flat_frames(side);
+    if (flat.size() < min_flat) return std::nullopt;
+    for (const JointPoses* pose : flat) {
       const auto way = foot_direction(side, *pose);
       if (!way) continue;
       vertical += (*pose)[toe].rotation.conjugate() * up_;
@@ -378,6 +391,10 @@ Eigen::Vector3d canonical_z(Bone bone, const Eigen::Vector3d& x, const Eigen::Ve
   const Bias bias = habit_of(bone);
   const double sign = side_of(bone) == Side::kLeft ? 1.0 : -1.0;
   return -bias.cosine * normal - sign * bias.sine * x.cross(normal);
+}
+
+bool LearnedAxes::is_learned(Bone bone) const {
+  return error[bone] < kErrorOfGuess;
 }
 
 LearnedAxes learned_axes(const Body& body, const std::vector<JointPoses>& poses,

@@ -20,6 +20,9 @@ namespace retarget {
 struct LearnedAxes {
   JointFromBone axes;
   BoneArray<double> error;  ///< Expected angle from the true axes, degrees.
+
+  /// Whether the movement shows the axes; others are those of the pose that learning began with.
+  [[nodiscard]] bool is_learned(Bone bone) const;
 };
 
 /// Learns the axes of the canonical bones in their joints from a movement, for skeletons without a
@@ -40,7 +43,8 @@ struct LearnedAxes {
 ///   hip joints to the torso's joint. Feet that never stand flat get Z from the shin and X from
 ///   their toes, or from the foot, pitched as in the T-pose.
 ///
-/// Bones with too little movement (arms that never bend) keep the axes of `best`.
+/// Bones with too little movement (arms that never bend) keep the axes of `best`. A forearm without
+/// a length continues the upper arm as in the zero pose.
 /// @param poses  not empty
 /// @param up     up axis of the file, unit length
 /// @param best   the pose closest to a T-pose

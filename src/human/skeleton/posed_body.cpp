@@ -6,7 +6,6 @@
 #include <numbers>
 #include <span>
 
-#include "base/math/se3.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/so3.h"
 

@@ -157,6 +157,16 @@ JointFromBone bring_to_t(const Body& body, const RestCandidate& candidate) {
   return joint_from_bone;
 }
 
+std::vector<std::string> forearms_without_length(const Body& body, const JointPoses& pose) {
+  std::vector<std::string> names;
+  for (const Side side : kSides) {
+    const Bone forearm = side_bone(side, kForeArm);
+    if (!body.has(forearm) || along(body.segment(forearm), pose)) continue;
+    names.push_back(body.skeleton().joint(body.joint(forearm)).name);
+  }
+  return names;
+}
+
 namespace {
 
 constexpr double kForearmPerUpperArm = 0.8;
@@ -230,6 +240,11 @@ class Sources {
     if (is_mapped(hand) || !is_mapped(forearm)) return;
     const double upper_arm = body_.skeleton().joint(body_.joint(forearm)).offset.norm();
     hang_from(hand, forearm, kForearmPerUpperArm * upper_arm);
+    // An end site at the elbow is no hand.
+    if (!along(body_.segment(forearm), rest_)) {
+      turn_with(hand, forearm, body_.joint(forearm));
+      sources_[hand].position_in_joint = kForearmPerUpperArm * upper_arm * axes_[forearm]->col(0);
+    }
   }
 
   void fill_foot(Side side) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/posed_body.h"
@@ -43,6 +45,10 @@ using JointFromBone = BoneArray<std::optional<Eigen::Matrix3d>>;
 /// after the shin's rotation.
 [[nodiscard]] JointFromBone bring_to_t(const Body& body, const RestCandidate& candidate);
 
+/// Returns the names of forearms without a hand or an end site away from the elbow.
+[[nodiscard]] std::vector<std::string> forearms_without_length(const Body& body,
+                                                               const JointPoses& pose);
+
 /// Returns the sources of all canonical bones. Unmapped bones are attached rigidly to their
 /// neighbours:
 ///
@@ -50,7 +56,8 @@ using JointFromBone = BoneArray<std::optional<Eigen::Matrix3d>>;
 /// * Neck and Head: each other, with the head at the neck's end; a head whose position is unknown
 ///   is left out;
 /// * collar bones: turn with the torso, at the upper arm's joint;
-/// * hands: turn with the forearm, at its end site, or 0.8 upper arm lengths along it;
+/// * hands: turn with the forearm, at its end site away from the elbow, or 0.8 upper arm lengths
+///   along it;
 /// * toes, also those with implausible rotations: turn with the foot, at their joint, at the foot's
 ///   end site, or 0.2 leg lengths along it (LAFAN1's proportion);
 /// * the synthetic feet: at the ankle, turn with the toes.

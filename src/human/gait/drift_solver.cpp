@@ -1,0 +1,333 @@
+// Finds the drift of a root that makes standing feet stand.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "base/math/banded_system.h"
+#include "human/gait/end_tracks.h"
+#include "human/gait/root_drift.h"
+#include "retarget/statistics.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+double square(double x) {
+  return x * x;
+}
+
+// Iteratively reweighted least squares.
+class DriftSolver {
+ public:
+  DriftSolver(const SourceFeet& feet, const std::vector<Vector3d>& hips, DriftRule rule)
+      : tracks_(feet),
+        vertical_(rule.vertical),
+        climbs_(rule.climbs),
+        rate_(1.0 / tracks_.frame_time),
+        turning_(rule.jittery ? 0.2 : 0.12),
+        step_((rule.jittery ? 0.15 : 0.05) * tracks_.frame_time),
+        drift_(tracks_.count, Vector3d::Zero()) {
+    for (const Vector3d& place : hips) hips_.push_back(place / tracks_.scale);
+    find_stances();
+  }
+
+  RootDrift solve() {
+    find_common_steps();
+    iterate();
+    if (vertical_ && !climbs_ && climbs_now()) solve_with_level_stances();
+    RootDrift result;
+    if (vertical_ && tilts_floor()) {
+      for (Vector3d& drift : drift_) {
+        result.discarded_heights.push_back(drift.z() * tracks_.scale);
+        drift.z() = 0.0;
+      }
+    }
+    result.speed_after = speed_of_stances() * tracks_.scale;
+    result.climb_after = climb_of_stances() * tracks_.scale;
+    without_drift([&] {
+      result.speed_before = speed_of_stances() * tracks_.scale;
+      result.climb_before = climb_of_stances() * tracks_.scale;
+    });
+    Vector3d middle;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      for (const Vector3d& drift : drift_) values.push_back(drift[axis]);
+      middle[axis] = median(values);
+    }
+    for (const Vector3d& drift : drift_) {
+      result.drift.push_back(drift * tracks_.scale);
+      result.farthest = std::max(result.farthest, (drift - middle).norm() * tracks_.scale);
+    }
+    return result;
+  }
+
+ private:
+  void iterate() {
+    // Distance from the common level, in metres, at which a stance weighs a quarter; 0: ignore the
+    // level.
+    constexpr std::array kGates = {0.0, 0.0, 0.3, 0.2, 0.12, 0.08, 0.08};
+    is_first_ = true;
+    for (const double gate : kGates) {
+      weigh_steps();
+      for (int axis = 0; axis < (vertical_ ? 3 : 2); ++axis) solve_axis(axis, gate);
+      is_first_ = false;
+      if (levels_) rolling_.z() -= climb_of_level();
+    }
+  }
+
+  [[nodiscard]] bool climbs_now() const {
+    return std::abs(climb_of_level()) * static_cast<double>(tracks_.count) > kClimb;
+  }
+
+  // Feet that roll sink, or rise, alike in all stances, and the root does not. Finds the step with
+  // which the stances do not climb, starting at the median, which is inexact in a short clip with
+  // noise. A box on which the body steps remains far from the other stances.
+  void solve_with_level_stances() {
+    constexpr double kMuchNearer = 0.5;
+    const double spread = spread_of_stances();
+    std::vector<Vector3d> drift(tracks_.count, Vector3d::Zero());
+    drift_.swap(drift);
+    const double climb = median_climb();
+    if (std::abs(climb) * rate_ > kClimbSpeed) rolling_.z() = climb;
+    levels_ = true;
+    find_common_steps();
+    iterate();
+    levels_ = false;
+    if (spread_of_stances() < kMuchNearer * spread) return;
+    drift_.swap(drift);
+    rolling_.setZero();
+  }
+
+  // Likelihood that each end stands, from quantities that do not depend on the root.
+  void find_stances() {
+    constexpr double kFree = 0.02, kWidth = 0.03, kEndFree = 0.005, kEndWidth = 0.015;
+    // Only the lower end of a turning foot may stand, with a lower likelihood.
+    constexpr double kTurningShare = 0.1;
+    const std::vector<char> aloft = frames_aloft();
+    for (int end = 0; end < kEndCount; ++end) {
+      stands_[end].assign(tracks_.count, 0.0);
+      for (std::size_t i = 0; i < tracks_.count; ++i) {
+        if (aloft[i]) continue;
+        const int foot = end / 2;
+        const double lower = tracks_.lower(foot, i);
+        const double near = bell(std::max(0.0, lower - tracks_.lowest[i] - kFree) / kWidth);
+        const double steady = bell(tracks_.turning(foot, i) / turning_);
+        const double rise = std::max(0.0, tracks_.heights[end][i] - lower - kEndFree);
+        stands_[end][i] = near * (steady + (1.0 - steady) * kTurningShare * bell(rise / kEndWidth));
+      }
+    }
+  }
+
+  // Frames in which the lowest foot is far above its level within a second: the body is in the air.
+  [[nodiscard]] std::vector<char> frames_aloft() const {
+    constexpr double kJump = 0.12, kMaxSpread = 0.1;
+    const double middle = median(tracks_.lowest);
+    std::vector<double> off;
+    for (const double height : tracks_.lowest) off.push_back(std::abs(height - middle));
+    const double high = kJump + 2.0 * std::min(1.48 * median(off), kMaxSpread);
+    const auto reach = static_cast<std::size_t>(std::lround(rate_));
+    std::vector<char> aloft(tracks_.count, 0);
+    for (std::size_t i = 0; i < tracks_.count; ++i) {
+      const std::size_t from = i < reach ? 0 : i - reach;
+      const std::size_t to = std::min(i + reach + 1, tracks_.count);
+      const double floor = percentile({tracks_.lowest.begin() + static_cast<std::ptrdiff_t>(from),
+                                       tracks_.lowest.begin() + static_cast<std::ptrdiff_t>(to)},
+                                      10.0);
+      aloft[i] = tracks_.lowest[i] - floor > high ? 1 : 0;
+    }
+    return aloft;
+  }
+
+  [[nodiscard]] Vector3d step(int end, std::size_t i) const {
+    return tracks_.places[end][i + 1] - tracks_.places[end][i];
+  }
+  // The part of a step that the root may cause.
+  [[nodiscard]] Vector3d step_of_root(int end, std::size_t i) const {
+    return step(end, i) - rolling_;
+  }
+  [[nodiscard]] double stands(int end, std::size_t i) const {
+    return std::min(stands_[end][i], stands_[end][i + 1]);
+  }
+
+  // Common step of the standing ends, and its RMS change from frame to frame.
+  void find_common_steps() {
+    common_.clear();
+    constexpr double kSure = 0.8, kLeastChange = 0.5;  // m/s^2
+    Vector3d squares = Vector3d::Zero();
+    int changes = 0;
+    bool was_sure = false;
+    for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
+      Vector3d sum = Vector3d::Zero();
+      double weight = 0.0;
+      for (int end = 0; end < kEndCount; ++end) {
+        sum += stands(end, i) * step_of_root(end, i);
+        weight += stands(end, i);
+      }
+      common_.push_back(sum / std::max(weight, 1e-9));
+      const bool sure = weight > kSure;
+      if (sure && was_sure) {
+        squares += (common_[i] - common_[i - 1]).cwiseAbs2();
+        ++changes;
+      }
+      was_sure = sure;
+    }
+    const double least = kLeastChange * square(tracks_.frame_time);
+    if (changes > 0) squares /= changes;
+    change_ = squares.cwiseSqrt().cwiseMax(least);
+  }
+
+  template <typename Measure>
+  void without_drift(const Measure& measure) {
+    std::vector<Vector3d> drift(tracks_.count, Vector3d::Zero());
+    drift_.swap(drift);
+    measure();
+    drift_.swap(drift);
+  }
+
+  // Whether the stances are nearer to one level before the correction.
+  [[nodiscard]] bool tilts_floor() {
+    constexpr double kWorse = 0.01;  // Metres.
+    double before = 0.0;
+    without_drift([&] { before = spread_of_stances(); });
+    return spread_of_stances() > before + kWorse;
+  }
+
+  // Reduces the weight of ends that move differently from the solution: they do not stand.
+  void weigh_steps() {
+    constexpr double kFirstWidth = 0.5, kWidth = 0.2;  // m/s
+    for (int end = 0; end < kEndCount; ++end) {
+      weights_[end].resize(tracks_.count - 1);
+      for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
+        const Vector3d expected = is_first_ ? common_[i] : Vector3d(drift_[i + 1] - drift_[i]);
+        const double off = (step_of_root(end, i) - expected).norm() * rate_;
+        weights_[end][i] = stands(end, i) * (is_first_ ? 1.0 / (1.0 + square(off / kFirstWidth))
+                                                       : cauchy(off / kWidth));
+      }
+    }
+  }
+
+  void solve_axis(int axis, double gate) {
+    // Acceleration of the hips in m/s^2, and root offset in metres over about a second.
+    constexpr double kHipsChange = 6.0, kAside = 0.15, kUpward = 0.5;
+    PentadiagonalFit fit(tracks_.count);
+    const double hips = 1.0 / square(kHipsChange * square(tracks_.frame_time));
+    const double smooth = 1.0 / square(change_[axis]);
+    for (std::size_t i = 0; i + 2 < tracks_.count; ++i) {
+      const double bend = hips_[i][axis] - 2.0 * hips_[i + 1][axis] + hips_[i + 2][axis];
+      fit.add_second_difference(i, hips, bend);
+      fit.add_second_difference(i, smooth, 0.0);
+    }
+    const double near = 1.0 / (square(axis < 2 ? kAside : kUpward) * rate_);
+    for (std::size_t i = 0; i < tracks_.count; ++i) fit.add_value(i, near, 0.0);
+    for (int end = 0; end < kEndCount; ++end) {
+      for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
+        fit.add_difference(i, weights_[end][i] / square(step_), step_of_root(end, i)[axis]);
+      }
+    }
+    if (axis == 2 && gate > 0.0) add_level(gate, fit);
+    const std::vector<double> solved = fit.solve();
+    for (std::size_t i = 0; i < tracks_.count; ++i) drift_[i][axis] = solved[i];
+  }
+
+  // Pulls stances to one level, except those far from it, such as on a step or a box.
+  void add_level(double gate, PentadiagonalFit& fit) const {
+    constexpr double kSpread = 0.03, kTime = 0.3;  // Spread in metres of stances of this duration.
+    const std::vector<double> standing = heights_of_stances(0, tracks_.count);
+    if (standing.empty()) return;
+    const double level = median(standing);
+    const double weight = 1.0 / (square(kSpread) * kTime * rate_);
+    for (int end = 0; end < kEndCount; ++end) {
+      for (std::size_t i = 0; i < tracks_.count; ++i) {
+        const double height = tracks_.heights[end][i];
+        const double off = (height - drift_[i].z() - level) / gate;
+        const double stands = weights_[end][std::min(i, tracks_.count - 2)];
+        fit.add_value(i, weight * stands * cauchy(off), height - level);
+      }
+    }
+  }
+
+  // Median over the steps of standing ends. @param measure  of a step, from Vector3d
+  template <typename Measure>
+  [[nodiscard]] double median_of_stances(const Measure& measure) const {
+    std::vector<double> values;
+    for (int end = 0; end < kEndCount; ++end) {
+      for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
+        if (stands(end, i) < 0.5) continue;
+        values.push_back(measure(Vector3d(step_of_root(end, i) - drift_[i + 1] + drift_[i])));
+      }
+    }
+    return values.empty() ? 0.0 : median(values);
+  }
+
+  // Heights of the standing ends in frames [begin, end), without the drift.
+  [[nodiscard]] std::vector<double> heights_of_stances(std::size_t begin, std::size_t end) const {
+    std::vector<double> standing;
+    for (int foot_end = 0; foot_end < kEndCount; ++foot_end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!(stands_[foot_end][i] > 0.5)) continue;
+        standing.push_back(tracks_.heights[foot_end][i] - drift_[i].z());
+      }
+    }
+    return standing;
+  }
+
+  // Climb of the stances without the drift from the first to the last third of the clip, per step.
+  [[nodiscard]] double climb_of_level() const {
+    const std::size_t third = tracks_.count / 3;
+    const auto first = heights_of_stances(0, third);
+    const auto last = heights_of_stances(tracks_.count - third, tracks_.count);
+    if (first.empty() || last.empty()) return 0.0;
+    return (median(last) - median(first)) / static_cast<double>(tracks_.count - third);
+  }
+
+  // Height difference that contains most of the standing ends, metres.
+  [[nodiscard]] double spread_of_stances() const {
+    const std::vector<double> heights = heights_of_stances(0, tracks_.count);
+    return heights.empty() ? 0.0 : percentile(heights, 90.0) - percentile(heights, 10.0);
+  }
+
+  [[nodiscard]] double speed_of_stances() const {
+    return median_of_stances([&](const Vector3d& step) { return step.norm() * rate_; });
+  }
+
+  // Per step.
+  [[nodiscard]] double median_climb() const {
+    return median_of_stances([](const Vector3d& step) { return step.z(); });
+  }
+
+  [[nodiscard]] double climb_of_stances() const {
+    return median_climb() * static_cast<double>(tracks_.count);
+  }
+
+  // Approximately exp(-x^2), bit-identical on every machine.
+  static double bell(double x) {
+    const double y = x * x;
+    return 1.0 / (1.0 + y * (1.0 + y * (0.5 + y / 6.0)));
+  }
+  static double cauchy(double x) { return 1.0 / square(1.0 + x * x); }
+
+  EndTracks tracks_;
+  bool vertical_, climbs_;
+  bool levels_ = false;  // Whether rolling_ follows the climb of the stances.
+  double rate_;
+  double turning_;                       // Turning speed above which a foot hardly stands, m/s.
+  double step_;                          // Movement of a standing end per frame, metres.
+  Vector3d rolling_ = Vector3d::Zero();  // Step of standing feet that roll.
+  std::vector<Vector3d> drift_, hips_, common_;
+  Vector3d change_ = Vector3d::Zero();  // RMS of the drift's second differences.
+  std::array<std::vector<double>, kEndCount> stands_, weights_;
+  bool is_first_ = true;
+};
+
+}  // namespace
+
+RootDrift find_root_drift(const SourceFeet& feet, const std::vector<Vector3d>& hips,
+                          DriftRule rule) {
+  if (!has_whole_feet(feet)) return {};
+  return DriftSolver(feet, hips, rule).solve();
+}
+
+}  // namespace retarget

@@ -1,0 +1,121 @@
+#include "human/gait/source_jumps.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <utility>
+
+#include "retarget/human.h"
+#include "retarget/so3.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+
+constexpr std::array kThighs = {Bone::kLeftUpLeg, Bone::kRightUpLeg};
+
+double angle_of_step(const Quaterniond& from, const Quaterniond& to) {
+  return log_so3(from.conjugate() * to).norm();
+}
+
+// Largest angle by which a thigh turns relative to the hips.
+double turn_of_thighs(const HumanPose& from, const HumanPose& to, const HumanClipInfo& info) {
+  double largest = 0.0;
+  for (const Bone thigh : kThighs) {
+    if (!info.has(thigh)) continue;
+    const auto local = [thigh](const HumanPose& pose) {
+      return Quaterniond(pose[Bone::kHips].rotation.conjugate() * pose[thigh].rotation);
+    };
+    largest = std::max(largest, angle_of_step(local(from), local(to)));
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<std::string> SourceJumps::texts() const {
+  std::vector<std::string> texts;
+  if (hips_speed > 0.0) {
+    texts.push_back(fmt::format("the hips move at {} m/s", number_text(hips_speed, 1)));
+  }
+  if (hips_turn > 0.0) {
+    texts.push_back(fmt::format("the hips turn at {} rad/s", number_text(hips_turn, 0)));
+  }
+  if (thigh_turn > 0.0) {
+    texts.push_back(fmt::format("the thighs turn at {} rad/s", number_text(thigh_turn, 0)));
+  }
+  return texts;
+}
+
+namespace {
+
+// Whether a step is an isolated jump. A frame of another pose is two such steps in a row.
+bool is_jump(const std::vector<double>& rates, std::size_t step, double limit) {
+  constexpr double kIsolated = 3.0;
+  constexpr std::size_t kAround = 2;  // Steps to either side.
+  if (!(rates[step] > limit)) return false;
+  std::vector<double> around;
+  const std::size_t first = step < kAround ? 0 : step - kAround;
+  for (std::size_t i = first; i < rates.size() && i <= step + kAround; ++i) {
+    if (i != step) around.push_back(rates[i]);
+  }
+  std::ranges::sort(around, std::greater<>());
+  return around.size() < 2 || rates[step] > kIsolated * around[1];
+}
+
+// Rates of each step.
+struct StepRates {
+  std::vector<double> speeds, turns, thighs;
+};
+
+StepRates rates_of_steps(HumanPoser& poser, FrameRange part, int stride, bool thighs) {
+  StepRates rates;
+  const HumanClipInfo info = poser.info();
+  const double fps = info.rate.fps() / stride;
+  HumanPose before, now;
+  poser.pose(part.begin, before);
+  for (int frame = part.begin + stride; frame < part.end; frame += stride) {
+    poser.pose(frame, now);
+    const Pose &from = before[Bone::kHips], &to = now[Bone::kHips];
+    rates.speeds.push_back(fps * (to.translation - from.translation).norm());
+    rates.turns.push_back(fps * angle_of_step(from.rotation, to.rotation));
+    rates.thighs.push_back(thighs ? fps * turn_of_thighs(before, now, info) : 0.0);
+    std::swap(before, now);
+  }
+  return rates;
+}
+
+}  // namespace
+
+SourceJumps find_source_jumps(HumanPoser& poser, FrameRange part, bool thighs) {
+  constexpr double kFastestHips = 10.0;                        // m/s
+  constexpr double kFastestTurn = 20.0, kFastestThigh = 40.0;  // rad/s
+  constexpr double kHighestRate = 120.0;                       // Steps per second.
+  SourceJumps found;
+  const HumanClipInfo info = poser.info();
+  if (!info.has(Bone::kHips) || part.end - part.begin < 2) return found;
+  const int stride = std::max(1, static_cast<int>(std::lround(info.rate.fps() / kHighestRate)));
+  const StepRates rates = rates_of_steps(poser, part, stride, thighs);
+  for (std::size_t step = 0; step < rates.speeds.size(); ++step) {
+    bool jumps = false;
+    const auto check = [&](const std::vector<double>& values, double limit, double& largest) {
+      if (!is_jump(values, step, limit)) return;
+      largest = std::max(largest, values[step]);
+      jumps = true;
+    };
+    check(rates.speeds, kFastestHips, found.hips_speed);
+    check(rates.turns, kFastestTurn, found.hips_turn);
+    check(rates.thighs, kFastestThigh, found.thigh_turn);
+    if (!jumps) continue;
+    if (found.frames == 0) found.first = part.begin + (static_cast<int>(step) + 1) * stride;
+    ++found.frames;
+  }
+  return found;
+}
+
+}  // namespace retarget
