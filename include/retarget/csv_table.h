@@ -32,8 +32,8 @@ struct CsvTable {
   }
 };
 
-/// Reads lines of numbers, with cells as split_cells separates them. Lines end with LF, CR LF, or in
-/// files without any LF with CR. Skips empty lines and lines that begin with #.
+/// Reads lines of numbers, with cells as split_cells separates them. Lines end with LF or CR LF; in
+/// files without any LF, with CR. Skips empty lines and lines that begin with #.
 /// Errors (kInput) with line and column: no lines, lines of different length, cells that are not
 /// numbers, numbers beyond 1e6 (in the first column, which may be a time since 1970: beyond 1e20),
 /// UTF-16.

@@ -165,9 +165,9 @@ struct MirroredHuman {
   Calibration calibration;
 };
 
-/// mirror() for a clip whose calibration is kept. Rotations that a calibration learned, or took from
-/// a pose that is only nearly a T-pose, need not be symmetric: with the calibration of the original, such
-/// errors would have the same sign in both clips, instead of opposite signs.
+/// mirror() for a clip whose calibration is kept. Rotations that a calibration learned, or took
+/// from a pose that is only nearly a T-pose, may be asymmetric: with the calibration of the
+/// original, such errors would have the same sign in both clips, instead of opposite signs.
 [[nodiscard]] Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration);
 
 /// The plane of mirror() and mirror_human(), for the scene of a clip.

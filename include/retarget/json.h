@@ -64,6 +64,9 @@ template <typename T>
   return std::nullopt;
 }
 
+/// A text member of an object; empty if it is missing or has another type.
+[[nodiscard]] std::string text_at(const nlohmann::ordered_json& json, const std::string& key);
+
 /// Ends the key of the member with all bytes that put_name adds.
 inline constexpr std::string_view kHexKeyEnd = "_hex";
 

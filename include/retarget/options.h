@@ -192,12 +192,12 @@ struct FitOptions {
   double smoothness_wrist = 1.65;  ///< The same for wrists.
   /// The same for the root's position, per m/s; see smoothness_root_reference.
   double smoothness_root_position = 72.0;
-  /// Share of the low-passed target's accelerations that the root may have without a cost.
+  /// Share of the low-passed target's accelerations that are not penalised in the root.
   double smoothness_root_reference = 1.0;
   double smoothness_root_rotation = 4.0;  ///< As smoothness_leg, for the root's rotation.
   double smoothing_time = 0.013;  ///< Approximate time constant of the velocity smoothing, seconds.
-  /// The same for arms and legs out of contact. There, changes of acceleration have the cost, so that
-  /// limbs may turn round as fast as the human's. 0: as for other joints.
+  /// The same for arms and legs out of contact. There, the cost penalises changes of acceleration,
+  /// so that limbs may reverse as fast as the human's. 0: as for other joints.
   double limb_smoothing_time = 0.019;
 
   // Options of `dynamics`, for the size and mass of a G1.

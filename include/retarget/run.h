@@ -276,6 +276,24 @@ struct RunOutcome {
     const RobotClip& clip, const std::optional<FootContacts>& contacts, const std::string& output,
     const SaveOptions& options, Observer& observer);
 
+/// A robot motion to convert to other formats, and its options.
+struct ConvertRequest {
+  std::string input, output;
+  RobotChoice robot;
+  ReadingOptions reading;
+  TimeOptions time{.fps = std::nullopt};  ///< No rate: that of the file.
+  SaveOptions save;
+  double memory_gb = 0.0;
+  DataFolder data_folder;
+};
+
+/// Converts a robot motion: reads its file, changes its variant and its rate if requested, and
+/// writes it with write_motion.
+/// Errors: those of load_robot, load_recorded_motion, check_need and write_motion; the robot has no
+/// such variant.
+[[nodiscard]] Result<std::vector<WrittenFile>> convert_motion(const ConvertRequest& request,
+                                                              Observer& observer);
+
 /// Checks that the run recorded in a sidecar still gives the recorded bytes and report, by repeating
 /// it without writing. Reports inputs that have changed since, and the agreement. Inputs that moved
 /// together with the sidecar are found next to it.

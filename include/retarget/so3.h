@@ -46,6 +46,10 @@ namespace RETARGET_API retarget {
 [[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a,
                                                   const Eigen::Vector3d& b);
 
+/// The rotation about the vertical of a rotation (swing-twist decomposition); identity if the
+/// rotation turns the vertical upside down. A turn of the world about the vertical turns it alike.
+[[nodiscard]] Eigen::Quaterniond turn_about_vertical(const Eigen::Quaterniond& rotation);
+
 /// Negates q if -q, which is the same rotation, is nearer to the reference. Both must use the same
 /// component order: Eigen's or w first.
 inline void align_sign(const Eigen::Ref<const Eigen::Vector4d>& reference,

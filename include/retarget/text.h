@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "retarget/export.h"
 
@@ -31,6 +32,10 @@ template <typename Number>
 /// degrees or seconds, that is beyond any motion and still catches typing errors. Returns nothing
 /// for any other text.
 [[nodiscard]] std::optional<double> number_from_text(std::string_view text);
+
+/// Parses finite numbers with a separator between them. Returns nothing for any other text.
+[[nodiscard]] std::optional<std::vector<double>> numbers_from_text(std::string_view text,
+                                                                   char separator);
 
 /// `1 frame`, `2 frames`.
 [[nodiscard]] std::string count_text(std::integral auto count, std::string_view noun) {
@@ -71,6 +76,15 @@ inline constexpr std::size_t kTextWidth = 80;
 /// @param indent  spaces in front of each continuation line.
 [[nodiscard]] std::string wrapped_text(std::string_view text, std::size_t used, std::size_t indent,
                                        std::size_t width = kTextWidth);
+
+/// Removes the text up to a separator, and the separator, from the front of `text`; all of it if
+/// there is none.
+/// @return the text before the separator.
+std::string_view take_until(std::string_view& text, char separator);
+
+/// Removes the first word from a text with its spaces, tabs and line ends before it.
+/// @return the word; empty: none is left.
+std::string_view take_word(std::string_view& text);
 
 /// Converts ASCII capitals to lower case; other bytes are unchanged.
 [[nodiscard]] std::string lower_case(std::string text);

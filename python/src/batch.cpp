@@ -15,7 +15,6 @@
 #include "notes_observer.h"
 #include "raise.h"
 #include "retarget/batch.h"
-#include "retarget/error.h"
 #include "retarget/option_table.h"
 #include "retarget/repeated_clips.h"
 #include "solving_table.h"

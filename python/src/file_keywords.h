@@ -1,20 +1,11 @@
 #pragma once
 
 #include "retarget/option_table.h"
-#include "retarget/options.h"
+#include "retarget/run.h"
 
 namespace retarget::python {
 
-/// Options of convert.
-struct ConvertOptions {
-  ReadingOptions reading;
-  RobotChoice robot;
-  TimeOptions time;
-  SaveOptions save;
-  double memory_gb = 0.0;
-};
-
 /// Returns the options of convert except the robot's name and the files.
-[[nodiscard]] OptionTable convert_keywords(ConvertOptions& options);
+[[nodiscard]] OptionTable convert_keywords(ConvertRequest& request);
 
 }  // namespace retarget::python

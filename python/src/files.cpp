@@ -28,12 +28,12 @@ namespace retarget::python {
 
 using namespace nb::literals;
 
-OptionTable convert_keywords(ConvertOptions& options) {
-  OptionTable table = {memory_row(options.memory_gb)};
-  append(table, reading_table(options.reading));
-  append(table, without(rows_for(OptionUse::kConvert, robot_table(options.robot)), {"robot"}));
-  append(table, time_table(options.time));
-  append(table, without(save_table(options.save), {"scene-out"}));
+OptionTable convert_keywords(ConvertRequest& request) {
+  OptionTable table = {memory_row(request.memory_gb)};
+  append(table, reading_table(request.reading));
+  append(table, without(rows_for(OptionUse::kConvert, robot_table(request.robot)), {"robot"}));
+  append(table, time_table(request.time));
+  append(table, without(save_table(request.save), {"scene-out"}));
   return table;
 }
 
@@ -48,60 +48,23 @@ class ConvertObserver : public Observer {
   std::vector<std::pair<std::string, Warning>> told;
 };
 
-// Reads a motion of the whole robot, turns it into one of the variant, and resamples it.
-Result<std::vector<WrittenFile>> convert_file(const std::string& input, const std::string& output,
-                                              const std::string& data_folder,
-                                              const ConvertOptions& options,
+Result<std::vector<WrittenFile>> convert_file(const ConvertRequest& request,
                                               ConvertObserver& observer) {
-  RETARGET_TRY(check_robot_choice(options.robot));
+  RETARGET_TRY(check_robot_choice(request.robot));
   Run run;
-  run.motion = input;
-  run.robot = options.robot;
-  run.options.save = options.save;
-  run.output = output;
-  RETARGET_TRY(check_outputs(run, false, files_of(run, data_folder), {}));
-  RobotChoice choice = options.robot;
-  choice.variant.clear();
-  RETARGET_TRY_ASSIGN(const LoadedRobot robot,
-                      load_robot(choice, DataFolder{data_folder}, observer, Soles::kAsTheyAre));
-  RETARGET_TRY_ASSIGN(
-      RobotMotion motion,
-      load_recorded_motion(input, robot.robot,
-                           read_motion_options(options.reading, memory_share(options.memory_gb))));
-  report_reading(input, motion, observer);
-  const FrameRate file_rate = motion.clip.rate();
-  RobotClip clip = std::move(motion.clip);
-  if (!options.robot.variant.empty()) {
-    RETARGET_TRY_ASSIGN(auto variant, robot_variant(robot.robot, options.robot.variant));
-    if (const auto lost = lost_joints(clip, *variant)) observer.warn({{0, 0, *lost}}, input);
-    clip = with_robot(clip, std::move(variant));
-  }
-  const TimeOptions& time = options.time;
-  const FrameRate rate = time.fps ? frame_rate_from_fps(*time.fps) : file_rate;
-  RETARGET_TRY(check_need({resampled_frame_count(clip.frame_count(), file_rate, rate), rate,
-                           motion.bytes, input, false},
-                          options.memory_gb, options.save));
-  if (time.fps) {
-    auto resampled = resample_robot(clip, rate, {time.interpolation, !time.no_antialias});
-    if (!resampled) {
-      resampled.error().location.file = input;
-      return failure(resampled.error());
-    }
-    clip = *std::move(resampled);
-  }
-  if (motion.contacts) {
-    motion.contacts = resample_contacts(*motion.contacts, file_rate, rate, clip.frame_count());
-  }
-  return write_motion(clip, motion.contacts, output, options.save, observer);
+  run.motion = request.input;
+  run.robot = request.robot;
+  run.options.save = request.save;
+  run.output = request.output;
+  RETARGET_TRY(check_outputs(run, false, files_of(run, request.data_folder.chosen), {}));
+  return convert_motion(request, observer);
 }
 
 // Writes a human motion as GLB.
-Result<void> convert_human(const std::string& input, const std::string& output,
-                           const std::string& data_folder, const ConvertOptions& options,
-                           ConvertObserver& observer) {
+Result<void> convert_human(const ConvertRequest& request, ConvertObserver& observer) {
   SourceOptions source;
-  source.memory_gb = options.memory_gb;
-  auto read = load_clip(input, source);
+  source.memory_gb = request.memory_gb;
+  auto read = load_clip(request.input, source);
   if (!read) {
     std::string& hint = read.error().hint;
     hint += (hint.empty() ? "" : "; ") + std::string("a robot motion needs robot=");
@@ -109,40 +72,42 @@ Result<void> convert_human(const std::string& input, const std::string& output,
   }
   Clip clip = *std::move(read);
   observer.warn(clip.origin().warnings, clip.name());
-  if (options.time.fps) {
-    RETARGET_TRY_ASSIGN(clip, resample(std::move(clip), frame_rate_from_fps(*options.time.fps),
-                                       {options.time.interpolation, !options.time.no_antialias}));
+  const TimeOptions& time = request.time;
+  if (time.fps) {
+    RETARGET_TRY_ASSIGN(clip, resample(std::move(clip), frame_rate_from_fps(*time.fps),
+                                       {time.interpolation, !time.no_antialias}));
   }
-  RETARGET_TRY_ASSIGN(const HumanInClip human, find_human(clip, {}, data_folder));
+  RETARGET_TRY_ASSIGN(const HumanInClip human, find_human(clip, {}, request.data_folder.chosen));
   observer.warn(human.doubts(), clip.name());
   RETARGET_TRY_ASSIGN(const std::string bytes,
                       format_human_glb(human_in_world(clip, human.calibration),
-                                       std::filesystem::path(output).stem().string()));
-  return write_file(output, bytes);
+                                       std::filesystem::path(request.output).stem().string()));
+  return write_file(request.output, bytes);
 }
 
 // Returns the paths of the written files.
 nb::list convert(const nb::object& input, const nb::object& output, const nb::object& robot,
                  const nb::dict& keywords, const nb::object& data_dir) {
-  ConvertOptions options;
-  options.time.fps = std::nullopt;
-  apply_keywords(convert_keywords(options), keywords);
-  const std::string from = bytes_of_path(input, "input");
-  const std::string to = bytes_of_path(output, "output");
-  if (to == "-") raise(usage_failure("output: expected a file, found standard output").value());
-  if (!robot.is_none()) options.robot.name = bytes_of_path(robot, "robot");
+  ConvertRequest request;
+  apply_keywords(convert_keywords(request), keywords);
+  request.input = bytes_of_path(input, "input");
+  request.output = bytes_of_path(output, "output");
+  if (request.output == "-") {
+    raise(usage_failure("output: expected a file, found standard output").value());
+  }
+  if (!robot.is_none()) request.robot.name = bytes_of_path(robot, "robot");
   const std::string chosen = bytes_of_folder(data_dir);
   ConvertObserver observer;
   const auto written = without_gil([&]() -> Result<std::vector<WrittenFile>> {
-    RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
-    const bool no_robot = options.robot.name.empty() && options.robot.model.empty();
-    RETARGET_TRY_ASSIGN(const auto items, plan_outputs(to, options.save));
+    RETARGET_TRY_ASSIGN(request.data_folder.chosen, data_folder_of(chosen));
+    const bool no_robot = request.robot.name.empty() && request.robot.model.empty();
+    RETARGET_TRY_ASSIGN(const auto items, plan_outputs(request.output, request.save));
     if (no_robot && items.size() == 1 && items.front().format == MotionFormat::kGlb) {
-      RETARGET_TRY(check_written({to}, {from}));
-      RETARGET_TRY(convert_human(from, to, folder, options, observer));
+      RETARGET_TRY(check_written({request.output}, {request.input}));
+      RETARGET_TRY(convert_human(request, observer));
       return std::vector<WrittenFile>{{items.front(), {}}};
     }
-    return convert_file(from, to, folder, options, observer);
+    return convert_file(request, observer);
   });
   for (const auto& [file, warning] : observer.told) warn(std::vector{warning}, file);
   nb::list paths;

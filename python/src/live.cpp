@@ -15,7 +15,6 @@
 #include "keywords.h"
 #include "live_keywords.h"
 #include "raise.h"
-#include "retarget/clip_range.h"
 #include "retarget/live.h"
 #include "retarget/live_table.h"
 #include "retarget/plan.h"

@@ -5,7 +5,6 @@
 
 #include "raise.h"
 #include "retarget/os.h"
-#include "retarget/text.h"
 
 namespace retarget::python {
 namespace {

@@ -44,8 +44,7 @@ nb::dict option_tables() {
   MeasureRequest certificate;
   tables["CertifyOptions"] = described(certify_keywords(certificate));
   tables["BatchOptions"] = described(batch_keywords(batch));
-  ConvertOptions convert;
-  convert.time.fps = std::nullopt;
+  ConvertRequest convert;
   tables["ConvertOptions"] = described(convert_keywords(convert));
   LiveKeywords live;
   tables["LiveOptions"] = described(live_keywords(live));

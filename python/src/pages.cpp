@@ -14,7 +14,6 @@
 #include "raise.h"
 #include "retarget/measure.h"
 #include "retarget/robot_meshes.h"
-#include "retarget/text.h"
 #include "retarget/try.h"
 #include "retarget/view.h"
 

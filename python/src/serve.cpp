@@ -20,7 +20,6 @@
 #include "retarget/plan.h"
 #include "retarget/run.h"
 #include "retarget/serve_table.h"
-#include "retarget/try.h"
 #include "serve_keywords.h"
 #include "watcher.h"
 

@@ -104,12 +104,17 @@ std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
   return found == std::string_view::npos ? 0 : found;
 }
 
-std::string text_at(const Json& json, const std::string& key) {
+}  // namespace
+
+std::string text_at(const nlohmann::ordered_json& json, const std::string& key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-}  // namespace
+nlohmann::ordered_json object_at(const nlohmann::ordered_json& json, const std::string& key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_object() ? *found : nlohmann::ordered_json::object();
+}
 
 Result<void> check_json_bounds(std::string_view text, const std::string& file) {
   const auto excess = excess_of(text);

@@ -20,6 +20,10 @@ namespace retarget {
 /// malformed JSON.
 [[nodiscard]] Result<void> check_json_bounds(std::string_view text, const std::string& file);
 
+/// An object in an object; empty if it is missing or has another type.
+[[nodiscard]] nlohmann::ordered_json object_at(const nlohmann::ordered_json& json,
+                                               const std::string& key);
+
 /// Reads optional members of a JSON object. A member of the wrong type is reported as a fault and
 /// treated as missing.
 class JsonMembers {

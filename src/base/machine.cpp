@@ -12,6 +12,7 @@
 #include "retarget/error.h"
 #include "retarget/file.h"
 #include "retarget/os.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -22,10 +23,7 @@ std::optional<std::uint64_t> number_in(const std::string& path, int words_before
   const auto file = read_file(path, ErrorKind::kRun);
   if (!file) return std::nullopt;
   std::string_view text = file->view();
-  for (; words_before > 0; --words_before) {
-    text.remove_prefix(std::min(text.find(' '), text.size()));
-    text.remove_prefix(std::min<std::size_t>(1, text.size()));
-  }
+  for (; words_before > 0; --words_before) take_until(text, ' ');
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   return error == std::errc() ? std::optional(number) : std::nullopt;
@@ -43,9 +41,7 @@ std::vector<ControlGroup> control_groups(const std::string& root_of_all,
   const auto groups = read_file(membership, ErrorKind::kRun);
   std::string_view text = groups ? groups->view() : std::string_view();
   while (!text.empty()) {
-    const std::size_t length = std::min(text.find('\n'), text.size());
-    const std::string line(text.substr(0, length));
-    text.remove_prefix(std::min(length + 1, text.size()));
+    const std::string line(take_until(text, '\n'));
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);

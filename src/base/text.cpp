@@ -34,6 +34,20 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   return 0;
 }
 
+std::string_view take_until(std::string_view& text, char separator) {
+  const std::string_view taken = text.substr(0, text.find(separator));
+  text.remove_prefix(std::min(taken.size() + 1, text.size()));
+  return taken;
+}
+
+std::string_view take_word(std::string_view& text) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
+  const std::string_view word = text.substr(0, text.find_first_of(kBlank));
+  text.remove_prefix(word.size());
+  return word;
+}
+
 std::string valid_utf8(std::string_view bytes) {
   std::string text;
   for (std::size_t at = 0; at < bytes.size();) {
@@ -149,6 +163,18 @@ std::optional<double> number_from_text(std::string_view text) {
   constexpr double kMaxExponent = 1e6;
   const auto value = parse_number<double>(text);
   return value && std::abs(*value) <= kMaxExponent ? value : std::nullopt;
+}
+
+std::optional<std::vector<double>> numbers_from_text(std::string_view text, char separator) {
+  std::vector<double> numbers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    const auto number = parse_number<double>(text.substr(begin, end - begin));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  return numbers;
 }
 
 namespace {

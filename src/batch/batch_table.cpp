@@ -84,18 +84,19 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
       batch_row("resume", request.resume, kBatchGroup, "",
                 "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
       batch_row("redo", request.redo, kBatchGroup, "",
-                "Discard an earlier batch in the folder and start over"),
+                "Discard an earlier batch in the folder and process all clips again"),
       batch_row(
           "certify", request.certify, kOutputGroup, "",
-          "Also measure, simulate and predict every motion: MOTION.certificate.json; gates on "
-          "tracked_pct and predicted_tracking_success can use these results (docs/batch.md)"),
+          "Also measure and simulate every motion and predict its tracking success: "
+          "MOTION.certificate.json; gates on tracked_pct and predicted_tracking_success can use "
+          "these results (docs/batch.md)"),
       batch_row("contacts", request.contacts, kOutputGroup, "",
                 "Also write heel and toe contacts next to every motion: CLIP.contacts.csv"),
       batch_row("motion-list", request.motion_list, kOutputGroup, "",
                 "Write motions.yaml, which lists the pickles or .motion files of all clips with "
                 "weights, for TWIST2, GMT, MimicKit and ProtoMotions"),
       batch_row("pack", request.pack, kOutputGroup, "NAME.npz",
-                "Also write one NPZ with all passed motions in sequence, with clip names, starts "
+                "Also write one NPZ with all passed motions concatenated, with clip names, starts "
                 "and lengths (docs/formats.md)"),
       batch_row("shard", request.shard, kBatchGroup, "I/N",
                 "Process one of N shards of similar length, I from 1 to N, with its own manifest")};

@@ -11,7 +11,6 @@
 #include "batch/duplicates.h"
 #include "retarget/measure.h"
 #include "retarget/option_name.h"
-#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "retarget/load.h"
-#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {

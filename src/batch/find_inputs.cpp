@@ -229,9 +229,7 @@ Result<void> InputFinder::add_list(const std::string& file) {
   std::string_view text = content.view();
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
   while (!text.empty()) {
-    const std::size_t length = std::min(text.find(end), text.size());
-    std::string_view line = text.substr(0, length);
-    text.remove_prefix(std::min(length + 1, text.size()));
+    std::string_view line = take_until(text, end);
     if (end == '\n' && line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty() || (end == '\n' && line.starts_with('#'))) continue;
     RETARGET_TRY(add_existing(os::with_slashes(std::string(line)), search_.base, false));

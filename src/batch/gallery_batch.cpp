@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string member_text(const nlohmann::ordered_json& json, std::string_view name) {
-  const auto found = json.find(std::string(name));
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 // Returns the candidate locations of a file given to a batch: paths are relative to its working
 // directory.
 std::vector<std::string> places_of(const BatchFolder& batch, const std::string& file) {
@@ -78,7 +73,7 @@ Result<BatchFolder> read_batch_folder(const std::string& folder) {
     const auto json = load_json(file.generic_string());
     if (!json || !json->is_array()) continue;
     for (const auto& each : *json) {
-      if (each.is_object()) batch.options[member_text(each, "options_hash")] = each;
+      if (each.is_object()) batch.options[text_at(each, "options_hash")] = each;
     }
   }
   return batch;

@@ -175,9 +175,7 @@ Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   ClipTableReader reader(path);
   while (!text.empty()) {
-    const std::size_t length = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, length);
-    text.remove_prefix(std::min(length + 1, text.size()));
+    std::string_view line = take_until(text, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.find_first_not_of(" \t,;") == std::string_view::npos || line.starts_with('#')) {
       ++reader.line_;

@@ -9,6 +9,7 @@
 #include "retarget/file.h"
 #include "retarget/option_name.h"
 #include "retarget/os.h"
+#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -54,10 +55,7 @@ Result<ManifestContent> read_manifest(const std::string& path) {
   RETARGET_TRY_ASSIGN(const auto file, read_file(path, ErrorKind::kRun));
   std::string_view text = file.view();
   while (!text.empty()) {
-    const std::size_t length = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, length);
-    text.remove_prefix(std::min(length + 1, text.size()));
-    if (!line.empty()) take_line(line, content);
+    if (const auto line = take_until(text, '\n'); !line.empty()) take_line(line, content);
   }
   return content;
 }

@@ -62,6 +62,16 @@ void append_to(std::vector<ManifestEntry>& all, std::vector<ManifestEntry> more)
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+Result<std::vector<ManifestEntry>> read_all_entries(const std::vector<std::string>& paths,
+                                                    Observer& observer) {
+  std::vector<ManifestEntry> entries;
+  for (const std::string& path : paths) {
+    RETARGET_TRY_ASSIGN(auto more, read_entries(path, observer));
+    append_to(entries, std::move(more));
+  }
+  return entries;
+}
+
 std::string lines_of(const std::vector<ManifestEntry>& entries) {
   std::string text;
   for (const ManifestEntry& entry : entries) text += manifest_line(entry);
@@ -178,10 +188,8 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
     return manifests;
   }
   RETARGET_TRY_ASSIGN(manifests.own, read_entries(manifests.path, observer));
-  for (const std::string& other : manifests_beside(folder, manifests.path)) {
-    RETARGET_TRY_ASSIGN(auto entries, read_entries(other, observer));
-    append_to(manifests.others, std::move(entries));
-  }
+  RETARGET_TRY_ASSIGN(manifests.others,
+                      read_all_entries(manifests_beside(folder, manifests.path), observer));
   return manifests;
 }
 
@@ -195,14 +203,11 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                               const BatchSelection& selection, const DataSetRules& rules,
                               Observer& observer) {
   const std::string path = folder + "/" + shard_file_name(kStem, shard, kFileEnding);
-  RETARGET_TRY_ASSIGN(auto own, read_entries(path, observer));
-  std::vector<ManifestEntry> entries = std::move(own);
+  RETARGET_TRY_ASSIGN(std::vector<ManifestEntry> entries, read_entries(path, observer));
   std::vector<std::string> parts;
   if (shard.count == 1) parts = manifests_beside(folder, path);
-  for (const std::string& part : parts) {
-    RETARGET_TRY_ASSIGN(auto more, read_entries(part, observer));
-    append_to(entries, std::move(more));
-  }
+  RETARGET_TRY_ASSIGN(auto of_parts, read_all_entries(parts, observer));
+  append_to(entries, std::move(of_parts));
   entries = latest_entries(std::move(entries));
   std::erase_if(entries,
                 [&](const ManifestEntry& entry) { return is_gone(entry, selection.clips); });
@@ -243,11 +248,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   // For equal times, later entries take precedence: parts are newer than the whole.
   const bool has_whole = fs::exists(path, ignored);
   RETARGET_TRY_ASSIGN(std::vector<ManifestEntry> entries, read_entries(path, observer));
-  std::vector<ManifestEntry> of_others;
-  for (const std::string& name : others) {
-    RETARGET_TRY_ASSIGN(auto read, read_entries(name, observer));
-    append_to(of_others, std::move(read));
-  }
+  RETARGET_TRY_ASSIGN(auto of_others, read_all_entries(others, observer));
   const MissingShards missing = missing_shards(others, entries, of_others);
   append_to(entries, std::move(of_others));
   if (entries.empty()) return input_failure(folder, "no batch manifest to merge");

@@ -90,15 +90,9 @@ Failure split_failure(const std::string& problem) {
 
 // Parses `0.8,0.1,0.1`. Returns an empty list unless all numbers are between 0 and 1.
 std::vector<double> parse_shares(std::string_view text) {
-  std::vector<double> shares;
-  while (true) {
-    const std::size_t comma = std::min(text.find(','), text.size());
-    const auto share = parse_number<double>(text.substr(0, comma));
-    if (!share || !(*share > 0.0 && *share < 1.0)) return {};
-    shares.push_back(*share);
-    if (comma == text.size()) return shares;
-    text.remove_prefix(comma + 1);
-  }
+  const auto shares = numbers_from_text(text, ',');
+  const auto is_share = [](double share) { return share > 0.0 && share < 1.0; };
+  return shares && std::ranges::all_of(*shares, is_share) ? *shares : std::vector<double>();
 }
 
 // A group, to be ordered by its hash.

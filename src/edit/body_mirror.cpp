@@ -355,9 +355,9 @@ class Mirroring {
   std::vector<Eigen::Quaterniond> after_;  // World rotations, file axes.
 };
 
-// The canonical axes of a bone of the mirrored body result from those of its counterpart: with a
-// world rotation W of its joint and the joint's reflection S, M W J N = (M W S^-1) S J N. N reflects
-// the canonical axes.
+// The canonical axes of a bone of the mirrored body result from those of its counterpart. With the
+// world rotation W of its joint, the joint's reflection S and the canonical axes J in the joint,
+// M W J N = (M W S^-1) S J N. N reflects the canonical axes.
 Calibration mirrored_calibration(const Calibration& calibration, const BodyMirror& body) {
   constexpr double kSame = 1e-9;
   const Eigen::DiagonalMatrix<double, 3> across(1.0, -1.0, 1.0);

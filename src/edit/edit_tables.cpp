@@ -65,14 +65,14 @@ Result<ConcatenateOptions> EditSettings::concatenate_options() const {
 }
 
 OptionTable resample_table(EditSettings& settings) {
-  return {
-      option("fps", settings.fps, kTimeGroup, "N",
-             "Frames per second of the output (default: the source's)"),
-      number_row("speed", settings.timing.speed, "N", 0.01, 100.0,
-                 "Speed factor: 0.8 takes 1/0.8 of the time"),
-      choice_row("interpolation", settings.interpolation, "Interpolation between source frames"),
-      choice_row("no-antialias", settings.no_antialias,
-                 "Do not low-pass filter a source whose rate is higher than the output's")};
+  return {option("fps", settings.fps, kTimeGroup, "N",
+                 "Frames per second of the output (default: the source's)"),
+          number_row("speed", settings.timing.speed, "N", 0.01, 100.0,
+                     "Speed factor: 0.8 takes 1/0.8 of the time"),
+          choice_row("interpolation", settings.interpolation,
+                     "Interpolation method between source frames"),
+          choice_row("no-antialias", settings.no_antialias,
+                     "Do not low-pass filter a source whose rate is higher than the output's")};
 }
 
 OptionTable ground_table(EditSettings& settings) {
@@ -87,7 +87,7 @@ OptionTable loop_table(EditSettings& settings) {
           number_row("times", settings.loop.times, "N", std::numeric_limits<int>::min(),
                      std::numeric_limits<int>::max(), "Number of repetitions of the cycle"),
           choice_row("in-place", settings.loop.in_place,
-                     "Remove the translation and rotation of the cycle, at an even speed"),
+                     "Remove the translation and rotation of the cycle, at a constant rate"),
           threshold_row(settings), force_row(settings)};
 }
 
@@ -96,7 +96,7 @@ OptionTable concatenate_table(EditSettings& settings) {
                  "Search range for the seam: seconds at the end of the first and the beginning of "
                  "the second clip, or `all` (default: 2, extended until a seam passes the check)"),
           number_row("window", settings.concat.seam.window, "S", 0.0, 10.0,
-                     "Length of the compared and blended interval, seconds (default: one third)"),
+                     "Length of the compared and blended interval, seconds (default: 1/3)"),
           choice_row("blend", settings.concat.blend,
                      "Blend the common frames, or fade out the difference in the second clip"),
           threshold_row(settings), force_row(settings)};

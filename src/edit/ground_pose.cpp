@@ -200,9 +200,8 @@ Result<Clip> turn_clip(Clip clip, const Calibration& calibration, double angle) 
 }
 
 Result<Eigen::Vector2d> way_from_text(std::string_view text) {
-  const std::size_t comma = std::min(text.find(','), text.size());
-  const auto x = number_from_text(text.substr(0, comma)),
-             y = number_from_text(text.substr(std::min(comma + 1, text.size())));
+  std::string_view rest = text;
+  const auto x = number_from_text(take_until(rest, ',')), y = number_from_text(rest);
   if (x && y) return Eigen::Vector2d(*x, *y);
   return usage_failure("a move must be X,Y in metres, up to 1000000, found \"" + std::string(text) +
                        "\"");

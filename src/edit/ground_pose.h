@@ -38,8 +38,6 @@ class BodyMover {
   }
   void move_all(Clip& clip, const Pose& over_all) const;
 
-  [[nodiscard]] int joint() const { return joint_; }
-
  private:
   BodyMover(int joint, const Calibration& calibration);
 

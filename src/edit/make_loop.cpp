@@ -185,7 +185,7 @@ Clip cycle_of(const Clip& joined, int begin, int cycle, const GroundPose& advanc
   return result;
 }
 
-// Removes the advance at an even speed, so that strides keep their own accelerations.
+// Removes the advance at a constant rate, so that strides keep their own accelerations.
 void keep_in_place(Clip& cycle, const GroundPose& advance, const BodyMover& mover) {
   for (int frame = 0; frame < cycle.frame_count(); ++frame) {
     const double share = static_cast<double>(frame) / cycle.frame_count();
@@ -230,7 +230,7 @@ void describe(Loop& loop, const FrameRate& rate, bool in_place, double travel) {
   constexpr double kSway = 0.1;  // Metres; the hips sway less in even strides.
   if (travel > kSway) {
     loop.notes.push_back({"", "the hips still move up to " + number_text(travel, 2) +
-                                  " m from the start: only an even speed is removed"});
+                                  " m from the start: only a constant rate is removed"});
   }
   loop.doubts = as_warnings(loop.check.faults);
   if (loop.check.faults.empty()) return;

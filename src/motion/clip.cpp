@@ -1,11 +1,9 @@
 #include "retarget/clip.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <charconv>
 #include <cmath>
-#include <system_error>
 #include <utility>
 
 #include "retarget/so3.h"
@@ -150,10 +148,7 @@ bool same_rate(const FrameRate& a, const FrameRate& b) {
 }
 
 std::string to_text(const FrameRate& rate) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), rate.fps(),
-                                          std::chars_format::general, 8);
-  return {text.data(), error == std::errc() ? end : text.data()};
+  return fmt::format("{:.8g}", rate.fps());
 }
 
 void forward_kinematics(const Clip& clip, int frame, std::span<Pose> world_from_joint) {

@@ -46,4 +46,18 @@ inline constexpr const char* kLargeFileHint = OPTION("memory") " allows more; or
   return track;
 }
 
+/// Sets the tracks of a clip to those of another one, changed.
+/// @param change  makes the track of all frames of `to` from one of `from`.
+template <typename Change>
+void change_tracks(const Clip& from, Clip& to, const Change& change) {
+  for (int joint = 0; joint < from.skeleton().joint_count(); ++joint) {
+    const auto track = change(rotation_track(from, joint));
+    for (int i = 0; i < to.frame_count(); ++i) to.rotations(i)[joint] = track[i];
+  }
+  for (int slot = 0; slot < from.skeleton().translated_count(); ++slot) {
+    const auto track = change(translation_track(from, slot));
+    for (int i = 0; i < to.frame_count(); ++i) to.translations(i)[slot] = track[i];
+  }
+}
+
 }  // namespace retarget

@@ -1,7 +1,7 @@
 #include "retarget/clip_range.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -43,10 +43,7 @@ std::optional<int> parse_bound(std::string_view text, int fallback) {
 
 // Formats without trailing zeros, independently of the locale.
 std::string seconds_text(double seconds) {
-  std::array<char, 32> text{};
-  const auto [end, error] =
-      std::to_chars(text.data(), text.data() + text.size(), seconds, std::chars_format::general, 9);
-  return std::string(text.data(), error == std::errc() ? end : text.data()) + " s";
+  return fmt::format("{:.9g} s", seconds);
 }
 
 Result<void> check_time(std::optional<double> time, const std::string& name) {

@@ -138,14 +138,7 @@ Result<Clip> resample(Clip source, const FrameRate& output_rate, const ResampleO
   const TrackResampler tracks(source, static_cast<int>(count), Stride(source.rate(), output_rate),
                               options);
   Clip output = source.empty_like(output_rate, static_cast<int>(count));
-  for (int joint = 0; joint < source.skeleton().joint_count(); ++joint) {
-    const auto track = tracks.resample(rotation_track(source, joint));
-    for (int i = 0; i < output.frame_count(); ++i) output.rotations(i)[joint] = track[i];
-  }
-  for (int slot = 0; slot < source.skeleton().translated_count(); ++slot) {
-    const auto track = tracks.resample(translation_track(source, slot));
-    for (int i = 0; i < output.frame_count(); ++i) output.translations(i)[slot] = track[i];
-  }
+  change_tracks(source, output, [&](auto track) { return tracks.resample(std::move(track)); });
   return output;
 }
 
@@ -230,21 +223,14 @@ std::int64_t warped_frame_count(const TimeScale& scale, const FrameRate& rate,
 Clip warp_time(const Clip& clip, const TimeScale& scale) {
   const std::vector<WarpedFrame> frames = warped_frames(scale, clip.rate(), clip.frame_count());
   Clip output = clip.empty_like(clip.rate(), static_cast<int>(frames.size()));
-  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
-    const TrackSampler<Eigen::Quaterniond> track(rotation_track(clip, joint),
-                                                 Interpolation::kCubic);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      output.rotations(static_cast<int>(i))[static_cast<std::size_t>(joint)] =
-          track.sample(frames[i].frame, frames[i].share);
+  change_tracks(clip, output, [&](auto track) {
+    const TrackSampler sampler(std::move(track), Interpolation::kCubic);
+    decltype(track) samples;
+    for (const WarpedFrame& each : frames) {
+      samples.push_back(sampler.sample(each.frame, each.share));
     }
-  }
-  for (int slot = 0; slot < clip.skeleton().translated_count(); ++slot) {
-    const TrackSampler<Eigen::Vector3d> track(translation_track(clip, slot), Interpolation::kCubic);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      output.translations(static_cast<int>(i))[static_cast<std::size_t>(slot)] =
-          track.sample(frames[i].frame, frames[i].share);
-    }
-  }
+    return samples;
+  });
   make_sign_continuous(output);
   return output;
 }

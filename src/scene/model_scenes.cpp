@@ -184,12 +184,12 @@ class UrdfSceneReader {
   };
 
   [[nodiscard]] Failure fault(const XMLElement& element, const std::string& message) const {
-    Error error;
-    error.kind = ErrorKind::kInput;
-    error.location.file = file_;
-    error.location.line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
-    error.message = fmt::format("<{}> {}", element.Name(), message);
-    return failure(std::move(error));
+    const auto line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
+    return failure({ErrorKind::kInput,
+                    {file_, line, 0},
+                    fmt::format("<{}> {}", element.Name(), message),
+                    {},
+                    {}});
   }
 
   static bool has_collisions(const XMLElement& robot) {
@@ -298,15 +298,10 @@ class UrdfSceneReader {
   Result<std::vector<double>> numbers(const XMLElement& element, const char* name,
                                       std::vector<double> otherwise) const {
     if (element.Attribute(name) == nullptr) return otherwise;
-    constexpr std::string_view kBlank = " \t\r\n";
     const std::string text = attribute_of(&element, name);
     std::string_view rest = text;
     std::vector<double> found;
-    for (;;) {
-      rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
-      if (rest.empty()) break;
-      const std::string_view word = rest.substr(0, rest.find_first_of(kBlank));
-      rest.remove_prefix(word.size());
+    for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
       const auto number = number_from_text(word);
       if (!number || found.size() == otherwise.size()) {
         found.clear();

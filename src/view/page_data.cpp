@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "retarget/contact_plan.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/trigonometry.h"
 #include "retarget/try.h"
 #include "retarget/version.h"
@@ -248,11 +249,6 @@ Json links_json(const PageLinks& links) {
 }
 
 Result<PageData> PageWriter::finish() const {
-  Json tracks = Json::array();
-  for (const TrackPacker::Track& track : packer_.tracks()) {
-    tracks.push_back(
-        {{"channels", track.channels}, {"frames", track.frames}, {"step", track.step}});
-  }
   Json header = {{"title", options_.title},
                  {"tool", "retarget " + version_number()},
                  {"precision",
@@ -266,12 +262,10 @@ Result<PageData> PageWriter::finish() const {
                  {"robots", robots_},
                  {"humans", humans_},
                  {"motions", motions_},
-                 {"tracks", std::move(tracks)}};
+                 {"tracks", tracks_json(packer_)}};
   if (!scenes_.empty()) header["scenes"] = scenes_;
   if (!options_.links.index.empty()) header["links"] = links_json(options_.links);
-  RETARGET_TRY_ASSIGN(std::string packed_header, packed_json(header));
-  RETARGET_TRY_ASSIGN(std::string packed_tracks, packer_.finish());
-  return PageData{std::move(packed_header), std::move(packed_tracks)};
+  return packed_page(header, packer_);
 }
 
 }  // namespace
@@ -290,13 +284,15 @@ Eigen::Vector2d turned(const Eigen::Vector2d& turn, const Eigen::Vector2d& point
 
 // Returns the mean rotation from the human's to the robot's facing direction; not normalised.
 Eigen::Vector2d turn_of_facing(const RobotClip& motion, const HumanClip& human, int frames) {
+  // The T-pose faces x.
+  const Eigen::Vector3d forward_in_hips =
+      canonical_t_pose(Bone::kHips).transpose() * Eigen::Vector3d::UnitX();
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = 0; frame < frames; ++frame) {
     const auto q = motion.qpos(frame);
     const Eigen::Vector3d robot =
         Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
-    const Eigen::Vector3d body =
-        human.frame(frame)[Bone::kHips].rotation * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d body = human.frame(frame)[Bone::kHips].rotation * forward_in_hips;
     sum += turn_between(body.head<2>(), robot.head<2>());
   }
   return sum;
@@ -347,9 +343,22 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   return placement;
 }
 
-Result<std::string> packed_json(const Json& json) {
+Json tracks_json(const TrackPacker& packer) {
+  Json tracks = Json::array();
+  for (const TrackPacker::Track& track : packer.tracks()) {
+    tracks.push_back(
+        {{"channels", track.channels}, {"frames", track.frames}, {"step", track.step}});
+  }
+  return tracks;
+}
+
+Result<PageData> packed_page(const Json& header, const TrackPacker& packer) {
+  PageData page;
   // ASCII output; invalid UTF-8 becomes U+FFFD.
-  return packed_text(json.dump(-1, ' ', true, Json::error_handler_t::replace));
+  RETARGET_TRY_ASSIGN(page.header,
+                      packed_text(header.dump(-1, ' ', true, Json::error_handler_t::replace)));
+  RETARGET_TRY_ASSIGN(page.tracks, packer.finish());
+  return page;
 }
 
 Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {

@@ -76,8 +76,12 @@ struct PageData {
 [[nodiscard]] Result<PageData> page_data(std::span<const PageMotion> motions,
                                          const PageOptions& options);
 
-/// Packs JSON with packed_text.
-[[nodiscard]] Result<std::string> packed_json(const nlohmann::ordered_json& json);
+/// The tracks of a page as its header lists them.
+[[nodiscard]] nlohmann::ordered_json tracks_json(const TrackPacker& packer);
+
+/// Packs a header and tracks.
+[[nodiscard]] Result<PageData> packed_page(const nlohmann::ordered_json& header,
+                                           const TrackPacker& packer);
 
 /// Assembles the whole file from shell, style, script and data.
 [[nodiscard]] std::string assemble_page(const std::string& title, PageData data);

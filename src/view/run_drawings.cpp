@@ -41,7 +41,7 @@ RunDrawing page_of_run(std::string path) {
             const std::string label = std::filesystem::path(report->file).stem().string();
             RETARGET_TRY_ASSIGN(std::string page, view_page(motion, label, report, &meshes));
             const std::string size = number_text(static_cast<double>(page.size()) / 1e6, 2);
-            return DrawnFile{std::move(page), {"page", size + " MB, opens in a browser"}};
+            return DrawnFile{std::move(page), {"page", size + " MB (open it in a browser)"}};
           }};
 }
 

@@ -138,20 +138,14 @@ Result<std::string> skeleton_page(const SkeletonPage& page) {
     skeleton["forward"] = to_text(page.calibration->forward);
     skeleton["height"] = page.calibration->height;
   }
-  Json tracks = Json::array();
-  for (const TrackPacker::Track& track : packer.tracks()) {
-    tracks.push_back(
-        {{"channels", track.channels}, {"frames", track.frames}, {"step", track.step}});
-  }
   const Json header = {{"title", page.title},
                        {"tool", "retarget " + version_number()},
                        {"precision", {{"bone_m", 0.5 * kStep}}},
                        {"figure", page_figure()},
                        {"skeleton", std::move(skeleton)},
-                       {"tracks", std::move(tracks)}};
-  RETARGET_TRY_ASSIGN(std::string packed_header, packed_json(header));
-  RETARGET_TRY_ASSIGN(std::string packed_tracks, packer.finish());
-  return assemble_page(page.title, {std::move(packed_header), std::move(packed_tracks)});
+                       {"tracks", tracks_json(packer)}};
+  RETARGET_TRY_ASSIGN(PageData data, packed_page(header, packer));
+  return assemble_page(page.title, std::move(data));
 }
 
 }  // namespace retarget

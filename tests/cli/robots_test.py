@@ -432,7 +432,7 @@ class RobotsThatAreNotInstalled(ToolTest):
     def test_one_is_installed_from_the_source_tree(self):
         installed = self.run_here("robots", "install", "booster_k1", "booster_t1", "--source", SOURCE)
         self.assert_done(installed)
-        self.assertIn("booster_k1: its maker states none", installed.stderr)
+        self.assertIn("booster_k1: the maker states none", installed.stderr)
         self.assertNotIn("booster_t1: its maker", installed.stderr)
         own = self.folder / "data home/retarget/robots"
         for folder, source in ((own / "booster_t1", "robots/booster_t1"),

@@ -200,7 +200,7 @@ class Output(ToolTest):
     def test_summary_lists_all_decisions(self):
         summary = self.retarget().stderr
         for words in ("22 joints", "30 fps", "centimetres, Y up", "unitree_g1, 29 joints",
-                      "limits official", "contact phases", "IK steps per frame", "comes nearest",
+                      "limits official", "contact phases", "IK steps per frame", "is nearest to a limit",
                       "wrote"):
             self.assertIn(words, summary)
         self.assertNotIn("costs", summary)

@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 
+#include "retarget/so3.h"
+
 namespace retarget {
 namespace {
 
@@ -102,6 +104,10 @@ TEST(ForceCone, PyramidsLieInTheConeAboutTheirNormal) {
     EXPECT_LT((edges.rowwise().sum() - 4.0 * n).norm(), 1e-12);
     EXPECT_NEAR((edges.col(0) - n).dot(edges.col(2) - n), 0.0, 1e-12);
   }
+}
+
+Vector3d base_forward(const Quaterniond& world_from_base) {
+  return turn_about_vertical(world_from_base) * Vector3d::UnitX();
 }
 
 // A turn of the world about the vertical turns the heading and the pyramids.

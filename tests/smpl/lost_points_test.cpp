@@ -54,14 +54,43 @@ TEST(LostPoints, AreBridgedAndReported) {
   }
 }
 
-TEST(LostPoints, NothingIsBridgedAtTheEnds) {
+TEST(LostPoints, KeepTheirNearestPlaceAtTheEnds) {
   JointMotion motion = going();
-  lose(motion, 0, 1, 0.0);
-  lose(motion, kFramesWithGaps - 1, 1, 0.0);
+  for (const int frame : {0, 1, kFramesWithGaps - 1}) lose(motion, frame, 1, 0.0);
   bridge_lost_points(motion);
-  EXPECT_EQ(motion.position(0, 1), Vector3d::Zero());
-  EXPECT_EQ(motion.position(kFramesWithGaps - 1, 1), Vector3d::Zero());
+  EXPECT_EQ(motion.position(0, 1), going().position(2, 1));
+  EXPECT_EQ(motion.position(1, 1), going().position(2, 1));
+  EXPECT_EQ(motion.position(kFramesWithGaps - 1, 1), going().position(kFramesWithGaps - 2, 1));
+  ASSERT_EQ(motion.warnings.size(), 1U);
+  EXPECT_THAT(motion.warnings[0].message, HasSubstr("3 of 20 frames"));
+}
+
+// Reading reports NaN as an error.
+TEST(LostPoints, StayNanAtTheEnds) {
+  JointMotion motion = going();
+  lose(motion, 0, 1, kNan);
+  lose(motion, kFramesWithGaps - 1, 1, kNan);
+  bridge_lost_points(motion);
+  EXPECT_TRUE(motion.position(0, 1).array().isNaN().all());
+  EXPECT_TRUE(motion.position(kFramesWithGaps - 1, 1).array().isNaN().all());
   EXPECT_THAT(motion.warnings, IsEmpty());
+}
+
+// The hips of a T-pose at the origin, and a root that starts there.
+TEST(LostPoints, KeepACalibrationPoseAtTheOrigin) {
+  JointMotion motion = going();
+  const Vector3d hips = motion.position(0, 0);
+  for (int joint = 0; joint < 3; ++joint) motion.positions[motion.index(0, joint)] -= hips;
+  const auto before = motion.positions;
+  bridge_lost_points(motion);
+  EXPECT_EQ(motion.positions, before);
+  JointMotion starting = going();
+  for (int frame = 0; frame < kFramesWithGaps; ++frame) {
+    starting.positions[starting.index(frame, 0)] = Vector3d(0.01 * frame, 0.0, 0.0);
+  }
+  const auto moving = starting.positions;
+  bridge_lost_points(starting);
+  EXPECT_EQ(starting.positions, moving);
 }
 
 TEST(LostPoints, KeepAJointThatBelongsAtTheOrigin) {

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "retarget/hash.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 #include "retarget/view.h"
 #include "support/test_robots.h"
 #include "view/page.h"
@@ -101,8 +103,8 @@ HumanClip walking_human(int frames, double speed) {
   human.sources[Bone::kHips] = "Hips";
   human.world_from_bone.resize(static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i) {
-    human.world_from_bone[static_cast<std::size_t>(i)][Bone::kHips].translation = {1.0 + speed * i,
-                                                                                   2.0, 1.0};
+    human.world_from_bone[static_cast<std::size_t>(i)][Bone::kHips] = {
+        Eigen::Quaterniond(canonical_t_pose(Bone::kHips)), {1.0 + speed * i, 2.0, 1.0}};
   }
   return human;
 }
@@ -122,6 +124,17 @@ TEST(PlaceHuman, AlignsItsPathWithTheRobots) {
   EXPECT_NEAR(walks.yaw, 0.0, 1e-9);
   // Without a path, the height determines the scale.
   EXPECT_NEAR(place_human(clip, walking_human(kFrames, 0.0)).scale, 0.7, 1e-9);
+}
+
+TEST(PlaceHuman, DoesNotTurnAHumanThatLeans) {
+  constexpr int kFrames = 10;
+  RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, kFrames);
+  HumanClip leaning = walking_human(kFrames, 0.0);
+  for (HumanPose& pose : leaning.world_from_bone) {
+    Eigen::Quaterniond& hips = pose[Bone::kHips].rotation;
+    hips = exp_so3({0.2, 0.1, 0.0}) * hips;
+  }
+  EXPECT_EQ(place_human(clip, leaning).yaw, 0.0);
 }
 
 // A quarter turn to the left about the vertical.

@@ -3,7 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "declare_table.h"
 #include "outer_commands.h"
 #include "retarget/measure.h"
 #include "retarget/option_table.h"
@@ -92,12 +91,13 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {
-  OptionTable table = {memory_row(arguments.memory_gb)};
-  append(table, reading_table(arguments.reading));
-  append(table, rows_for(OptionUse::kConvert, robot_table(arguments.robot)));
-  append(table, time_table(arguments.time));
-  table.push_back(output_row(arguments.output));
-  append(table, without(save_table(arguments.save), {"scene-out"}));
+  ConvertRequest& request = arguments.request;
+  OptionTable table = {memory_row(request.memory_gb)};
+  append(table, reading_table(request.reading));
+  append(table, rows_for(OptionUse::kConvert, robot_table(request.robot)));
+  append(table, time_table(request.time));
+  table.push_back(output_row(request.output));
+  append(table, without(save_table(request.save), {"scene-out"}));
   append(table, common_table(arguments.common));
   return table;
 }
@@ -173,7 +173,7 @@ OptionTable inspect_table(InspectArguments& arguments) {
   Options& options = arguments.run.run.options;
   OptionTable table = rows_for(OptionUse::kInspect, source_table(options.source));
   table.push_back(row("skeleton", arguments.skeleton_only, kInputGroup, "",
-                      "Accept a file with a skeleton but no MOTION"));
+                      "Accept a BVH file without MOTION"));
   append(table, rows_for(OptionUse::kInspect, human_table(options.human)));
   table.push_back(write_map_row(arguments.run.request.write_map));
   table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",

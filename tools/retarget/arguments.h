@@ -73,12 +73,7 @@ struct VerifyArguments {
 /// Arguments of `retarget convert`, which converts robot motions between formats.
 struct ConvertArguments {
   CommonArguments common;
-  RobotChoice robot;
-  double memory_gb = 0.0;
-  ReadingOptions reading;
-  TimeOptions time{.fps = std::nullopt};
-  SaveOptions save;
-  std::string input, output;
+  ConvertRequest request;
 };
 
 /// Arguments of `retarget simulate`, which replays a robot motion in a physics simulation.

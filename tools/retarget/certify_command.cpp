@@ -11,7 +11,6 @@
 #include "retarget/run.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
-#include "shared_arguments.h"
 
 namespace retarget::cli {
 

@@ -54,8 +54,6 @@ Console::Console(bool quiet)
       // Without a terminal, the first status line can wait.
       last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
-Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
-
 void Console::write_with(std::function<void(std::string_view)> write) {
   write_ = std::move(write);
 }
@@ -83,9 +81,8 @@ std::string Console::paint_severity(std::string text) const {
 }
 
 void Console::line(std::string_view label, std::string_view with_marks) {
+  if (quiet_) return;
   const std::string text = without_line_feeds(spell_options(with_marks, option_as_flag));
-  if (notes_ != nullptr) notes_->lines.emplace_back(label, text);
-  if (quiet_ || notes_ != nullptr) return;
   end_progress();
   std::string padded(label);
   // At least one space separates a long label from the text.
@@ -100,11 +97,6 @@ std::string Console::message(const std::string& text) const {
 }
 
 void Console::warn(const std::vector<Warning>& warnings, std::string_view file) {
-  if (notes_ != nullptr) {
-    for (const Warning& warning : warnings)
-      notes_->warnings.push_back(describe(warning, file, option_as_flag));
-    return;
-  }
   if (quiet_) return;
   end_progress();
   for (const Warning& warning : warnings) {
@@ -114,9 +106,7 @@ void Console::warn(const std::vector<Warning>& warnings, std::string_view file) 
 
 ExitCode Console::fail(const Error& error) {
   end_progress();
-  if (notes_ == nullptr) {
-    put(paint_severity(message(describe(error, option_as_flag))) + "\n");
-  }
+  put(paint_severity(message(describe(error, option_as_flag))) + "\n");
   return exit_code(error.kind);
 }
 
@@ -131,7 +121,7 @@ void Console::progress(std::string_view what, int done, int total) {
 }
 
 void Console::status(std::string_view text) {
-  if (quiet_ || notes_ != nullptr) return;
+  if (quiet_) return;
   const double now = seconds_now(), pause_s = terminal_ ? kTerminalPause : kLinePause;
   if (now - last_progress_s_ < pause_s) return;
   last_progress_s_ = now;

@@ -76,24 +76,16 @@ enum ExitCode : int {
 
 [[nodiscard]] ExitCode exit_code(ErrorKind kind);
 
-/// Messages from one of many runs, stored instead of printed.
-struct ConsoleNotes {
-  std::vector<std::string> warnings;  ///< One line each, with file, line and column.
-  std::vector<std::pair<std::string, std::string>> lines;  ///< Summary lines: label and text.
-};
-
 /// Human-readable output on standard error. Results are never written here.
 class Console : public Observer {
  public:
   explicit Console(bool quiet);
-  /// Prints nothing and collects notes, which must outlive the console.
-  explicit Console(ConsoleNotes& notes);
 
   /// Passes the text of all further messages to `write` instead of standard error.
   void write_with(std::function<void(std::string_view)> write);
 
   /// Returns true if summary lines are printed.
-  [[nodiscard]] bool is_read() const override { return !quiet_ && notes_ == nullptr; }
+  [[nodiscard]] bool is_read() const override { return !quiet_; }
   /// Prints a summary line: a short label and its text. Silent when quiet.
   void line(std::string_view label, std::string_view text) override;
   void warn(const std::vector<Warning>& warnings, std::string_view file) override;
@@ -125,7 +117,6 @@ class Console : public Observer {
   bool quiet_ = false;
   bool terminal_ = false;
   bool colour_ = false;
-  ConsoleNotes* notes_ = nullptr;
   bool progress_shown_ = false;
   double last_progress_s_ = 0.0;
   std::function<void(std::string_view)> write_;  // Replaces standard error.

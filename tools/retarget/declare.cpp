@@ -12,6 +12,20 @@
 namespace retarget::cli {
 namespace {
 
+void describe_as(CLI::App& command, const char* name, const char* help) {
+  command.get_option(name)->description(help);
+}
+
+// Describes options of a run for a command that reads its motions.
+void describe_source(CLI::App& command) {
+  describe_as(command, "--smpl", "SMPL or SMPL-X source of the motions, NPZ");
+  describe_as(command, "--start", "Start time of the motions in the source, seconds");
+  describe_as(command, "--end", "End time of the motions in the source, seconds, inclusive");
+  describe_as(command, "--source-fps",
+              "Frames per second of the source; overrides its header; without a source: frame "
+              "rate of the motions");
+}
+
 // Declares what commands that measure motions have in common. The rows of the command's own table
 // replace those of a run.
 void declare_measuring(CLI::App& app, const OptionTable& own, MeasureArguments& arguments) {
@@ -27,22 +41,14 @@ void declare_measuring(CLI::App& app, const OptionTable& own, MeasureArguments& 
   declare(*command, {quaternion});
   command->get_option("--csv-quat")->group("");
   declare(*command, own);
-  const auto describe_as = [command](const char* name, const char* help) {
-    command->get_option(name)->description(help);
-  };
-  describe_as("--bvh", "Source of the motions");
-  describe_as("--smpl", "SMPL or SMPL-X source of the motions, NPZ");
-  describe_as("--start", "Start time of the motions in the source, seconds");
-  describe_as("--end", "End time of the motions in the source, seconds, inclusive");
-  describe_as("--source-fps",
-              "Frames per second of the source; overrides its header; without a source: frame "
-              "rate of the motions");
-  describe_as("--ik-config",
+  describe_as(*command, "--bvh", "Source of the motions");
+  describe_source(*command);
+  describe_as(*command, "--ik-config",
               "Retargeting configuration for tracking errors (default: as in a run)");
   describe_as(
-      "--limits",
+      *command, "--limits",
       "Joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
-  describe_as("--scale", "Scaling of the targets for tracking errors");
+  describe_as(*command, "--scale", "Scaling of the targets for tracking errors");
 }
 
 }  // namespace
@@ -128,9 +134,9 @@ CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments&
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
   CLI::App* command = app.add_subcommand("convert", "Convert a motion to other file formats");
   declare(*command,
-          {word("input", arguments.input, "IN",
+          {word("input", arguments.request.input, "IN",
                 "Robot motion, CSV, NPZ or pickle (- reads standard input), or human motion"),
-           word("out", arguments.output, "OUT", "File to write, same as -o", false)});
+           word("out", arguments.request.output, "OUT", "File to write, same as -o", false)});
   declare(*command, convert_table(arguments));
   command->get_option("--interpolation")->description("Interpolation between frames");
   command->get_option("--no-antialias")
@@ -153,31 +159,24 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
                           "Robot motions, CSV, NPZ or pickle (several play side by side); - reads "
                           "standard input; or the output folder of a batch")});
   declare(*command, view_table(arguments));
-  const auto describe_as = [command](const char* name, const char* help) {
-    command->get_option(name)->description(help);
-  };
-  describe_as("--output",
+  describe_as(*command, "--output",
               "Page (.html) or strip of poses (.png, otherwise SVG); - writes an SVG to standard "
               "output; for a "
               "batch: the gallery folder");
   command->get_option("--output")->required();
-  describe_as("--bvh", "Source of the motions, drawn next to them");
-  describe_as("--smpl", "SMPL or SMPL-X source of the motions, NPZ");
-  describe_as("--start", "Start time of the motions in the source, seconds");
-  describe_as("--end", "End time of the motions in the source, seconds, inclusive");
-  describe_as("--source-fps",
-              "Frames per second of the source; overrides its header; without a source: frame "
-              "rate of the motions");
-  describe_as("--scene",
+  describe_as(*command, "--bvh", "Source of the motions, drawn next to them");
+  describe_source(*command);
+  describe_as(*command, "--scene",
               "Page: the scene around the human, drawn as the robot's world; without --bvh, the "
               "robot's world itself (docs/viewing.md)");
-  describe_as("--object-track", "Page: paths of moving bodies of --scene (docs/world.md)");
-  describe_as("--ik-config",
+  describe_as(*command, "--object-track",
+              "Page: paths of moving bodies of --scene (docs/world.md)");
+  describe_as(*command, "--ik-config",
               "Page: retargeting configuration for tracking errors (default: as in a run)");
   describe_as(
-      "--limits",
+      *command, "--limits",
       "Page: joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
-  describe_as("--scale", "Page: scaling of the targets for tracking errors");
+  describe_as(*command, "--scale", "Page: scaling of the targets for tracking errors");
   return command;
 }
 

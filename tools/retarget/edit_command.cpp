@@ -93,10 +93,8 @@ class EditRun {
   }
 
   // Prints warnings about the file.
-  Result<Clip> read_clip(const std::string& file, bool skeleton_only = false) {
-    RETARGET_TRY_ASSIGN(
-        Clip clip, skeleton_only ? load_skeleton(file, options_.source)
-                                 : load_clip(file, options_.source, {options_.common.data_dir}));
+  Result<Clip> read_clip(const std::string& file) {
+    RETARGET_TRY_ASSIGN(Clip clip, load_clip(file, options_.source, {options_.common.data_dir}));
     console_.warn(clip.origin().warnings, clip.name());
     return clip;
   }

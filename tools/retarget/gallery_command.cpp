@@ -9,11 +9,8 @@
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
-#include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/try.h"
-#include "shared_arguments.h"
-#include "usage_errors.h"
 
 namespace retarget::cli {
 namespace {

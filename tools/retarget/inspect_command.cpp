@@ -83,7 +83,7 @@ Result<void> inspect(const InspectArguments& arguments, Console& console) {
   }
   if (!arguments.html.empty()) {
     RETARGET_TRY(write_page(found, arguments.html));
-    console.line("wrote", arguments.html + ": opens in a browser");
+    console.line("wrote", arguments.html + " (open it in a browser)");
     return {};
   }
   return write_file("-",

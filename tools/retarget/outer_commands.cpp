@@ -204,7 +204,8 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
        base,
        option("output", arguments.output, kOutputGroup, "DIR",
               "Parent folder of the new robot folder", {.letter = "o"}),
-       option("force", arguments.force, kOutputGroup, "", "Replace an existing folder")});
+       option("force", arguments.force, kOutputGroup, "",
+              "Replace a folder that an earlier robots add created")});
   add(RobotsAction::kInstall, "install",
       "Install robots that packages omit because their makers state no licence",
       {word("names", arguments.names, "NAME...",

@@ -116,7 +116,7 @@ Result<ExitCode> install(const RobotsArguments& arguments, Console& console) {
     if (is_unverified(folder / "model.xml")) {
       console.line("licence",
                    folder.filename().string() +
-                       ": its maker states none; ask the maker before you distribute the model");
+                       ": the maker states none; ask the maker before you distribute the model");
     }
   }
   if (folders.empty()) console.line("", "all robots in " + arguments.source + " are installed");

@@ -203,7 +203,7 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   RETARGET_TRY(write_file(output, page));
   console.line("wrote", output + ": " + count_text(motions.size(), "motion") + ", " +
                             number_text(static_cast<double>(page.size()) / 1e6, 2) +
-                            " MB, opens in a browser");
+                            " MB (open it in a browser)");
   return {};
 }
 

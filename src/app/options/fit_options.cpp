@@ -113,15 +113,15 @@ OptionTable motion_table(FitOptions& o) {
       number(kGroup, "smoothness_root_position", o.smoothness_root_position,
              "Root, per m/s of deviation from the smoothed velocity, relative to the reference"),
       number(kGroup, "smoothness_root_reference", o.smoothness_root_reference,
-             "Share of the low-passed target's accelerations that the root may have without cost",
+             "Share of the low-passed target's accelerations that are not penalised in the root",
              0.0, 1.0),
       number(kGroup, "smoothness_root_rotation", o.smoothness_root_rotation, "Root, per rad/s"),
       number(kGroup, "smoothing_time", o.smoothing_time,
              "Seconds; velocities are smoothed over about this time", 0.0, 10.0),
       number(
           kGroup, "limb_smoothing_time", o.limb_smoothing_time,
-          "Seconds; the same for arms and legs out of contact, where changes of acceleration have "
-          "the cost; 0: as for other joints",
+          "Seconds; the same for arms and legs out of contact, where the cost penalises changes of "
+          "acceleration; 0: as for other joints",
           0.0, 10.0),
       number(kGroup, "soft_joint_speed", o.soft_joint_speed, "rad/s; faster joints are slowed down",
              kAbove0, kMaxWeight, "speed_soft"),

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "app/options/number_list.h"
+#include "app/options/checked_text.h"
 #include "app/options/scene_options.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -66,7 +66,7 @@ std::string direction_text(const std::optional<Eigen::Vector3d>& direction) {
 Result<std::optional<Eigen::Vector3d>> direction_from_text(const std::string& text) {
   if (text.empty()) return std::optional<Eigen::Vector3d>();
   if (const auto axis = read_axis(text)) return std::optional(axis->direction());
-  if (const auto numbers = numbers_in(text, ','); numbers && numbers->size() == 3) {
+  if (const auto numbers = numbers_from_text(text, ','); numbers && numbers->size() == 3) {
     constexpr double kUnit = 1e-12;  // Keeps written directions bitwise.
     const Eigen::Vector3d direction((*numbers)[0], (*numbers)[1], (*numbers)[2]);
     const double length = direction.norm();
@@ -77,25 +77,6 @@ Result<std::optional<Eigen::Vector3d>> direction_from_text(const std::string& te
   }
   return usage_failure(fmt::format(
       "expected x, y, z, -x, -y, -z or a vector such as 0.1,0.99,0, found \"{}\"", text));
-}
-
-std::string plain_text(const std::string& text) {
-  return text;
-}
-
-Result<std::string> checked_unit(const std::string& text) {
-  TRY(unit_from_text(text));
-  return text;
-}
-
-Result<std::string> checked_travel(const std::string& text) {
-  if (!text.empty()) TRY(travel_from_text(text));
-  return text;
-}
-
-Result<std::string> checked_time_scale(const std::string& text) {
-  if (!text.empty()) TRY(time_scale_from_text(text));
-  return text;
 }
 
 std::string rate_text(const std::optional<double>& fps) {
@@ -185,7 +166,8 @@ OptionTable source_table(SourceOptions& options) {
              "Keep the complete frames of a damaged file and report the dropped ones",
              {.uses = kReading}),
       option("root", options.root, kInputGroup, "NAME",
-             "Skeleton to read if the file contains several ROOTs or skeletons",
+             "Skeleton to read if the file contains several ROOTs or skeletons: its name, or its "
+             "number from 1 if names are equal (FBX, glTF)",
              {.uses = kReading}),
       option("take", options.take, kInputGroup, "NAME|N",
              "Motion to read if the file contains several: its name, or its number from 1 (FBX, "
@@ -215,7 +197,7 @@ OptionTable human_table(HumanOptions& options) {
              "Accept a body without arms or without legs", {.uses = kHuman}),
       option("rest", options.rest, kHumanGroup, "",
              "Pose to use as T-pose, corrected if necessary: the zero pose, the first frame, the "
-             "best frame, or none (learned from the movement)",
+             "best frame; learned: no pose, the movement determines the bone axes",
              {.uses = kHuman}),
       option("tpose-frame", options.tpose_frame, kHumanGroup, "N",
              "Source frame that shows the T-pose",
@@ -223,9 +205,9 @@ OptionTable human_table(HumanOptions& options) {
       option("tpose-file", options.tpose_file, kHumanGroup, "FILE",
              "BVH of the same skeleton whose first frame shows the T-pose",
              {.file = OptionFile::kContent, .uses = kHuman}),
-      text_option("unit", options.unit, kHumanGroup, "UNIT",
-                  "Length unit: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit,
-                  {.uses = kHuman}),
+      checked_text<unit_from_text>("unit", options.unit, kHumanGroup, "UNIT",
+                                   "Length unit: m, dm, cm, mm, inch, cmu, or metres",
+                                   {.uses = kHuman}),
       text_option("up", options.up, kHumanGroup, "AXIS",
                   "Up axis of the source: y, z, -y, ..., or a vector X,Y,Z, which levels the clip",
                   direction_text, direction_from_text, {.uses = kHuman}),
@@ -297,17 +279,18 @@ OptionTable purpose_table(SolveOptions& options) {
                  "travel") " auto, smoother joints and root (docs/fit.md); explicit options take "
                            "precedence",
              {.uses = OptionUse::kShowBatch, .recorded_if_given = true}),
-      text_option(
+      checked_text<travel_from_text>(
           "travel", options.travel, kRobotGroup, "S|auto",
           "Factor for the path of hips and planted feet over the ground, 0.5 to 1.2; "
           "heights, turns and times do not change. auto: 1 for a slow walk, 0.85 for a run, by the "
           "Froude number of the robot's legs (default: 1)",
-          plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true}),
-      text_option("time-scale", options.time_scale, kTimeGroup, "S|auto",
-                  "Speed of the motion relative to the source, 0.25 to 1. auto: slow down only "
-                  "where joints exceed their speed limits or, unless the fit is " OPTION(
-                      "without") " dynamics, their torque limits (docs/references.md; default: 1)",
-                  plain_text, checked_time_scale, {.uses = kJudged, .recorded_if_given = true})};
+          {.uses = kJudged, .recorded_if_given = true}),
+      checked_text<time_scale_from_text>(
+          "time-scale", options.time_scale, kTimeGroup, "S|auto",
+          "Speed of the motion relative to the source, 0.25 to 1. auto: slow down only "
+          "where joints exceed their speed limits or, unless the fit is " OPTION(
+              "without") " dynamics, their torque limits (docs/references.md; default: 1)",
+          {.uses = kJudged, .recorded_if_given = true})};
 }
 
 }  // namespace
@@ -370,7 +353,7 @@ OptionTable time_table(TimeOptions& options) {
                       "Output rate in frames per second, or `source`", rate_text, rate_from_text,
                       {.basic = true, .uses = OptionUse::kMeasure}),
           option("interpolation", options.interpolation, kTimeGroup, "",
-                 "Interpolation between source frames", {.uses = OptionUse::kShowBatch}),
+                 "Interpolation method between source frames", {.uses = OptionUse::kShowBatch}),
           option("no-antialias", options.no_antialias, kTimeGroup, "",
                  "Do not low-pass filter a source whose rate is higher than the output's",
                  {.uses = OptionUse::kShowBatch})};
@@ -456,7 +439,7 @@ OptionTable reading_table(ReadingOptions& options) {
   // Insert before the last option, which concerns columns.
   table.insert(table.end() - 1,
                option("motion", options.motion, kMotionFileGroup, "NAME",
-                      "One of several motions in a PBHC pickle", {.decides = false}));
+                      "Motion to read from a PBHC pickle with several", {.decides = false}));
   return table;
 }
 

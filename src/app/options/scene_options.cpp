@@ -7,9 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/options/number_list.h"
+#include "app/options/checked_text.h"
 #include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -26,16 +25,12 @@ constexpr double kMinSlope = 0.5, kMaxSlope = 30.0, kMaxSteps = 200.0;
 constexpr double kMinSceneScale = 0.5, kMaxSceneScale = 2.0;
 constexpr double kMaxShift = 2.0;  // Metres.
 
-std::string scene_text(const std::string& text) {
-  return text;
-}
-
 bool is_within(double value, double min, double max) {
   return value >= min && value <= max;
 }
 
 std::optional<TerrainShape> stairs_in(std::string_view text) {
-  const auto numbers = numbers_in(text, 'x');
+  const auto numbers = numbers_from_text(text, 'x');
   if (!numbers || numbers->size() < 2 || numbers->size() > 3) return std::nullopt;
   TerrainShape shape{(*numbers)[0], (*numbers)[1]};
   if (!is_within(shape.rise, kMinRise, kMaxRise) || !is_within(shape.tread, kMinTread, kMaxTread)) {
@@ -47,21 +42,6 @@ std::optional<TerrainShape> stairs_in(std::string_view text) {
     shape.count = static_cast<int>(count);
   }
   return shape;
-}
-
-Result<std::string> checked_terrain(const std::string& text) {
-  TRY(terrain_from_text(text));
-  return text;
-}
-
-Result<std::string> checked_terrain_scale(const std::string& text) {
-  TRY(terrain_scale_from_text(text));
-  return text;
-}
-
-Result<std::string> checked_object_shift(const std::string& text) {
-  TRY(object_shift_from_text(text));
-  return text;
 }
 
 }  // namespace
@@ -103,7 +83,7 @@ Result<Vector3d> terrain_scale_from_text(const std::string& text) {
 
 Result<Vector3d> object_shift_from_text(const std::string& text) {
   if (text.empty()) return Vector3d(0.0, 0.0, 0.0);
-  const auto numbers = numbers_in(text, ',');
+  const auto numbers = numbers_from_text(text, ',');
   if (numbers && numbers->size() == 3) {
     const Vector3d shift((*numbers)[0], (*numbers)[1], (*numbers)[2]);
     if (shift.norm() <= kMaxShift) return shift;
@@ -128,17 +108,19 @@ OptionTable scene_table(SolveOptions& options) {
              "Unit and axes of the scene and its tracks: human: metres, z up; clip: those of the "
              "clip's file",
              judged),
-      text_option("terrain", options.terrain, kRobotGroup, "stairs:RISExTREAD|slope:DEGREES",
-                  "Add stairs or a slope below a walk on a flat floor, along the human's path; in "
-                  "metres of the robot's world; xCOUNT limits the number of steps",
-                  scene_text, checked_terrain, change),
-      text_option("terrain-scale", options.terrain_scale, kRobotGroup, "S|z=S",
-                  "Scale the static bodies of the scene about the origin, or only their heights; "
-                  "the human's contacts follow (default: 1)",
-                  scene_text, checked_terrain_scale, change),
-      text_option("object-shift", options.object_shift, kRobotGroup, "X,Y,Z",
-                  "Move the moving bodies of the scene, metres; hands that touch them follow",
-                  scene_text, checked_object_shift, change),
+      checked_text<terrain_from_text>(
+          "terrain", options.terrain, kRobotGroup, "stairs:RISExTREAD|slope:DEGREES",
+          "Add stairs or a slope below a walk on a flat floor, along the human's path; in "
+          "metres of the robot's world; xCOUNT limits the number of steps",
+          change),
+      checked_text<terrain_scale_from_text>(
+          "terrain-scale", options.terrain_scale, kRobotGroup, "S|z=S",
+          "Scale the static bodies of the scene about the origin, or only their heights; "
+          "the human's contacts follow (default: 1)",
+          change),
+      checked_text<object_shift_from_text>(
+          "object-shift", options.object_shift, kRobotGroup, "X,Y,Z",
+          "Move the moving bodies of the scene, metres; hands that touch them follow", change),
       option("object-scale", options.object_scale, kRobotGroup, "S",
              "Scale the moving bodies of the scene; hands that touch them follow",
              {.min = kMinSceneScale, .max = kMaxSceneScale, .uses = kOfScene}),

@@ -12,16 +12,12 @@
 #include <vector>
 
 #include "app/run/sidecar.h"
+#include "base/json.h"
 
 namespace retarget {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json object_in(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_object() ? *found : Json::object();
-}
 
 // Files may have moved, such as that of a limit set, so paths agree if their last parts do.
 bool name_same_file(const std::string& a, const std::string& b) {
@@ -109,7 +105,7 @@ std::optional<std::vector<std::string>> altered_members(std::string_view recorde
   if (!then.is_object() || !now.is_object()) return std::nullopt;
   if (then.value("build", Json()) != now.value("build", Json())) return std::nullopt;
   std::vector<std::string> altered;
-  compare("found", object_in(then, "found"), object_in(now, "found"), altered);
+  compare("found", object_at(then, "found"), object_at(now, "found"), altered);
   const Json report = report_in(then);
   compare("quality", report, report_in(now), altered);
   if (!has_sound_gates(report)) altered.emplace_back("quality.gates");

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
 #include "retarget/option_table.h"

@@ -9,6 +9,7 @@
 #include "app/plan/robot_source.h"
 #include "app/run/scene_hash.h"
 #include "app/run/sidecar.h"
+#include "base/json.h"
 #include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/file_endings.h"
@@ -37,16 +38,6 @@ constexpr const char* kConfigNamed = "ik-config-named";
 // The name under which a file that an option names is recorded.
 std::string role_of(const Option& row) {
   return row.name == "ik-config" ? kConfigRole : row.name;
-}
-
-std::string text_of(const Json& json, const std::string& name) {
-  const auto found = json.find(name);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-Json member(const Json& json, const char* name) {
-  const auto found = json.find(name);
-  return found != json.end() && found->is_object() ? *found : Json::object();
 }
 
 void set_option(const Option& row, const std::string& text) {
@@ -199,15 +190,15 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
 
 std::string restore_options(const Json& description, const FindRecorded& find, Run& run) {
   const OptionTable table = rows_for(OptionUse::kShowBatch, run_table(run));
-  const Json options = member(description, "options"), paths = member(description, "paths"),
-             hashes = member(description, "files");
+  const Json options = object_at(description, "options"), paths = object_at(description, "paths"),
+             hashes = object_at(description, "files");
   std::string changed;
   for (const Option& row : table) {
     const bool is_file = row.info.file != OptionFile::kNone;
     const std::string role = role_of(row);
     if (!is_file || !paths.contains(role)) {
       // Files are recorded separately, with their hashes.
-      const std::string text = text_of(options, row.name);
+      const std::string text = text_at(options, row.name);
       std::error_code ignored;
       if (is_file &&
           (text.find_first_of(os::kSeparators) != std::string::npos || fs::exists(text, ignored)))
@@ -218,7 +209,7 @@ std::string restore_options(const Json& description, const FindRecorded& find, R
     // Without a choice, the configuration is that of the robot.
     const auto named = options.find(kConfigNamed);
     if (role == kConfigRole && (named == options.end() || *named != true)) continue;
-    const std::string path = text_of(paths, role), hash = text_of(hashes, role);
+    const std::string path = text_at(paths, role), hash = text_at(hashes, role);
     if (path.empty()) continue;
     const std::string found = find(path, hash);
     if (!found.empty()) {
@@ -227,21 +218,21 @@ std::string restore_options(const Json& description, const FindRecorded& find, R
       changed = path;
     }
   }
-  run.robot.variant = text_of(description, "dof");
+  run.robot.variant = text_at(description, "dof");
   return changed;
 }
 
 ReadingOptions restored_dialect(const Json& description) {
   ReadingOptions reading;
-  const Json options = member(description, "options");
-  if (text_of(options, "format").find("csv-soma") != std::string::npos) return reading;
-  if (const std::string is = text_of(options, "csv-degrees"); !is.empty()) {
+  const Json options = object_at(description, "options");
+  if (text_at(options, "format").find("csv-soma") != std::string::npos) return reading;
+  if (const std::string is = text_at(options, "csv-degrees"); !is.empty()) {
     reading.angles = is == "true" ? "deg" : "rad";
   }
-  if (const std::string is = text_of(options, "csv-centimetres"); !is.empty()) {
+  if (const std::string is = text_at(options, "csv-centimetres"); !is.empty()) {
     reading.unit = is == "true" ? "cm" : "m";
   }
-  if (const std::string is = text_of(options, "csv-quat"); !is.empty()) {
+  if (const std::string is = text_at(options, "csv-quat"); !is.empty()) {
     reading.quaternion = is == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
   }
   return reading;

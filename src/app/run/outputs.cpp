@@ -1,5 +1,7 @@
 #include "app/run/outputs.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <new>
 #include <system_error>
@@ -239,24 +241,14 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMot
 }
 
 Result<void> MotionOutputs::write_beside(const OutputMotion& motion) {
-  if (!options_.contacts.empty()) {
-    TRY_ASSIGN(auto file, write_contacts(options_.contacts, motion.contacts, motion.clip->rate(),
-                                         motion.labels));
-    sidecars_.push_back(std::move(file));
-  }
-  if (options_.scene_out.empty() && reference_.empty()) return {};
+  if (options_.contacts.empty() && options_.scene_out.empty() && reference_.empty()) return {};
   RobotClip moved = *motion.clip;
   WriteMotionOptions write = with_surroundings(write_options_, motion);
   if (options_.normalize_start) normalize_start(moved, write);
-  if (!options_.scene_out.empty()) {
-    TRY_ASSIGN(auto file, write_scene(options_.scene_out, moved, write.scene));
-    sidecars_.push_back(std::move(file));
-  }
-  if (!reference_.empty()) {
-    TRY_ASSIGN(auto made, write_reference(reference_, moved, write, options_, motion.limits));
-    sidecars_.push_back(std::move(made.file));
-    lines_ = std::move(made.lines);
-  }
+  TRY_ASSIGN(FilesBeside beside,
+             write_files_beside(reference_, moved, write, options_, motion.limits));
+  std::ranges::move(beside.files, std::back_inserter(sidecars_));
+  lines_ = std::move(beside.lines);
   return {};
 }
 

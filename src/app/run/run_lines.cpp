@@ -57,7 +57,7 @@ std::vector<SummaryLine> distance_lines(const RobotClip& clip, const LimitSet& l
   const std::string distance = number_text(std::abs(nearest->distance), 6);
   const std::string where = std::abs(nearest->distance) < kEpsilon ? " is at its " + side
                             : nearest->distance > 0.0
-                                ? " comes nearest, " + distance + " from its " + side
+                                ? " is nearest to a limit, " + distance + " from its " + side
                                 : " goes " + distance + " beyond its " + side;
   return {{"limits", limits.name + ": " + nearest->joint + where + " in frame " +
                          std::to_string(nearest->frame) + "; joints at a limit in " +

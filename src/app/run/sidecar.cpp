@@ -70,11 +70,6 @@ Json time_scale_json(const TimeScale& scale) {
           {"longer_s", scale.longer}};
 }
 
-std::string text_of(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 double number_of(const Json& json, const char* key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_number() ? found->get<double>() : -1.0;
@@ -88,7 +83,7 @@ std::vector<SlowedStretch> stretches_from(const Json& report, const char* key) {
   for (const Json& each : *list) {
     if (!each.is_object()) continue;
     stretches.push_back({number_of(each, "begin"), number_of(each, "end"),
-                         number_of(each, "factor"), text_of(each, "cause")});
+                         number_of(each, "factor"), text_at(each, "cause")});
   }
   return stretches;
 }
@@ -160,7 +155,7 @@ Json build_json() {
 // The robot is recorded by name or folder; the report has the name of its profile.
 std::string robot_from(const Json& report, const RobotChoice& choice) {
   if (choice.name.empty()) return {};
-  if (std::string name = text_of(report, "robot"); !name.empty()) return name;
+  if (std::string name = text_at(report, "robot"); !name.empty()) return name;
   return fs::path(choice.name).filename().string();
 }
 
@@ -257,21 +252,21 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
                          "a run writes the sidecar next to its output, such as walk.csv.json");
   }
   Sidecar sidecar;
-  sidecar.version = text_of(json, "retarget");
+  sidecar.version = text_at(json, "retarget");
   sidecar.output = name_from(json["output"], "file");
   // The output must be in the folder of the sidecar.
   if (!is_plain_name(sidecar.output)) {
     return input_failure(file, "the sidecar's output \"" + sidecar.output +
                                    "\" is not the name of a file in the same folder");
   }
-  sidecar.format = text_of(json["output"], "format");
-  sidecar.hash = text_of(json["output"], "hash");
+  sidecar.format = text_at(json["output"], "format");
+  sidecar.hash = text_at(json["output"], "hash");
   if (const auto found = json.find("found"); found != json.end() && found->is_object()) {
     if (const auto fps = found->find("fps"); fps != found->end() && fps->is_number()) {
       sidecar.fps = fps->get<double>();
     }
     sidecar.time_scale = time_scale_from(*found);
-    sidecar.limits = text_of(*found, "limits");
+    sidecar.limits = text_at(*found, "limits");
   }
   const Json report = report_in(json);
   sidecar.has_dynamics = std::ranges::any_of(quality_metrics(), [&](const Metric& metric) {
@@ -297,7 +292,7 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
   for (const Json& each : json["inputs"]) {
     if (!each.is_object()) continue;
     sidecar.files.push_back(
-        {text_of(each, "role"), name_from(each, "file"), {}, text_of(each, "hash")});
+        {text_at(each, "role"), name_from(each, "file"), {}, text_at(each, "hash")});
   }
   return sidecar;
 }

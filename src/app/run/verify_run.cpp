@@ -7,9 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/plan/set_up_robot.h"
 #include "app/run/sidecar.h"
-#include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/certificate.h"
 #include "retarget/check_options.h"

@@ -160,6 +160,13 @@ Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a, const Eigen::Vecto
   return Eigen::Quaterniond(0.5 * length, axis.x(), axis.y(), axis.z()).normalized();
 }
 
+Eigen::Quaterniond turn_about_vertical(const Eigen::Quaterniond& rotation) {
+  constexpr double kTurned = 1e-9;
+  const double norm = std::sqrt(rotation.w() * rotation.w() + rotation.z() * rotation.z());
+  if (!(norm > kTurned)) return Eigen::Quaterniond::Identity();
+  return {rotation.w() / norm, 0.0, 0.0, rotation.z() / norm};
+}
+
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return portable::atan2(a.cross(b).norm(), a.dot(b));
 }

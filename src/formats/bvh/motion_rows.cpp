@@ -226,7 +226,6 @@ Result<MotionRows> RowsParser::keep_complete_rows(const Error& damage) {
     if (resume.neat && resume.rows + lines.good >= rows.count) {
       read_lines(resume.begin, resume.rows, true);
       rows.count = resume.rows + lines.good;
-      rows.dropped = lines.bad;
       dropped = "; dropped " + std::to_string(lines.bad) + " damaged line" +
                 (lines.bad == 1 ? "" : "s") + (lines.moved_up ? ", later frames come earlier" : "");
     }

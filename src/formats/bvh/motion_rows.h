@@ -121,7 +121,6 @@ struct MotionRowsOptions {
 
 struct MotionRows {
   int count = 0;
-  int dropped = 0;  ///< Dropped lines (lenient only).
   std::vector<Warning> warnings;
 };
 

@@ -94,15 +94,14 @@ class BvhReader {
   const BvhReadOptions& options_;
   Scanner scanner_;
   std::vector<Warning> warnings_;
-  std::vector<std::string> roots_;
-  int dropped_rows_ = 0;
 };
 
 Result<BvhFile> BvhReader::read() {
   TRY_ASSIGN(Hierarchy hierarchy, parse_hierarchy(source_, scanner_, options_.root));
   warnings_ = std::move(hierarchy.warnings);
-  for (const int root : hierarchy.roots) roots_.push_back(hierarchy.joints[root].name);
-  TRY_ASSIGN(const std::size_t wanted, find_root(source_, roots_, options_.root));
+  std::vector<std::string> roots;
+  for (const int root : hierarchy.roots) roots.push_back(hierarchy.joints[root].name);
+  TRY_ASSIGN(const std::size_t wanted, find_root(source_, roots, options_.root));
   const bool has_motion = hierarchy.has_motion;
   const Tree tree = take_tree(hierarchy, wanted);
   return has_motion ? with_motion(tree) : skeleton_alone(tree);
@@ -117,9 +116,7 @@ Result<BvhFile> BvhReader::skeleton_alone(const Tree& tree) {
   warnings_.push_back(source_.warning_at(end, "no MOTION: only the skeleton is read"));
   const FrameRate rate =
       options_.source_fps ? frame_rate_from_fps(*options_.source_fps) : FrameRate{};
-  BvhFile file = finish(Clip(tree.skeleton, rate, 0));
-  file.has_motion = false;
-  return file;
+  return finish(Clip(tree.skeleton, rate, 0));
 }
 
 Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
@@ -134,10 +131,7 @@ Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
         source_.warning_at(header.frames_place, "no frames: only the skeleton is read"));
   }
   warn_about_positions(tree, read_positions_beside_offsets(clip));
-  BvhFile file = finish(std::move(clip));
-  file.declared_frames = header.frames;
-  file.declared_frame_time = header.frame_time;
-  return file;
+  return finish(std::move(clip));
 }
 
 Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, Clip& clip) {
@@ -174,7 +168,6 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
     return too_large(header, *tree.skeleton, rows.count);
   }
   clip.resize(rows.count);
-  dropped_rows_ = rows.dropped;
   std::ranges::move(rows.warnings, std::back_inserter(warnings_));
   return {};
 }
@@ -223,9 +216,7 @@ BvhFile BvhReader::finish(Clip clip) {
   std::ranges::stable_sort(warnings_, [](const Warning& a, const Warning& b) {
     return std::pair(a.line, a.column) < std::pair(b.line, b.column);
   });
-  BvhFile file{std::move(clip), std::move(warnings_), true, {}, {}, std::move(roots_), 0};
-  file.dropped_rows = dropped_rows_;
-  return file;
+  return {std::move(clip), std::move(warnings_)};
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ struct BvhReadOptions {
   std::string root;
 };
 
-/// A BVH file: the motion and further facts from its text.
+/// The motion of a BVH file.
 struct BvhFile {
   /// Lengths and axes as in the file. Joint names are the file's bytes: without control bytes, but
   /// not necessarily valid UTF-8. May have no frames (`Frames: 0`).
@@ -45,12 +45,6 @@ struct BvhFile {
 
   /// In file order. Each kind of warning is reported once, however often it occurs.
   std::vector<Warning> warnings;
-
-  bool has_motion = true;                       ///< False: the file ends before MOTION.
-  std::optional<std::int64_t> declared_frames;  ///< Value of `Frames:`.
-  std::optional<double> declared_frame_time;    ///< Value of `Frame Time:` in seconds.
-  std::vector<std::string> roots;               ///< The roots of all trees in the file.
-  int dropped_rows = 0;                         ///< Dropped lines of a damaged file (lenient only).
 };
 
 /// Parses BVH text.

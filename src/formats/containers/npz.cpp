@@ -239,6 +239,10 @@ std::u32string characters_of(const std::string& text) {
 
 }  // namespace
 
+void append_vector(std::vector<double>& values, const Eigen::Vector3d& vector) {
+  values.insert(values.end(), vector.begin(), vector.end());
+}
+
 NpyArray float32_array(std::span<const double> values, std::vector<std::size_t> shape) {
   NpyArray array = array_of(NpyKind::kFloat, 4, std::move(shape));
   array.data.reserve(4 * values.size());

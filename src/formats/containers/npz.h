@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -79,6 +80,9 @@ class NpzFile {
   std::vector<std::string> names_;
   std::shared_ptr<const Contents> contents_;
 };
+
+/// Appends the numbers of a vector to those of an array.
+void append_vector(std::vector<double>& values, const Eigen::Vector3d& vector);
 
 /// NumPy arrays in row-major (C) order. @pre values.size() is the product of the shape
 [[nodiscard]] NpyArray float32_array(std::span<const double> values,

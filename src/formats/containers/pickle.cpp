@@ -187,18 +187,26 @@ void PickleWriter::none() {
   append_opcode(bytes_, PickleOp::kNone);
 }
 
-void PickleWriter::integer(std::int64_t value) {
+void append_integer(std::string& bytes, std::int64_t value) {
   using Limits = std::numeric_limits<std::int32_t>;
   const bool is_short = value >= Limits::min() && value <= Limits::max();
-  append_opcode(bytes_, is_short ? PickleOp::kBinInt : PickleOp::kLong1);
-  if (!is_short) bytes_ += '\x08';
-  append_little_endian(bytes_, std::bit_cast<std::uint64_t>(value), is_short ? 4 : 8);
+  append_opcode(bytes, is_short ? PickleOp::kBinInt : PickleOp::kLong1);
+  if (!is_short) bytes += '\x08';
+  append_little_endian(bytes, std::bit_cast<std::uint64_t>(value), is_short ? 4 : 8);
+}
+
+void append_number(std::string& bytes, double value) {
+  append_opcode(bytes, PickleOp::kBinFloat);
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  for (int i = 7; i >= 0; --i) bytes += static_cast<char>(bits >> (8 * i));
+}
+
+void PickleWriter::integer(std::int64_t value) {
+  append_integer(bytes_, value);
 }
 
 void PickleWriter::number(double value) {
-  append_opcode(bytes_, PickleOp::kBinFloat);
-  const auto bits = std::bit_cast<std::uint64_t>(value);
-  for (int i = 7; i >= 0; --i) bytes_ += static_cast<char>(bits >> (8 * i));
+  append_number(bytes_, value);
 }
 
 void PickleWriter::text(std::string_view value) {

@@ -230,17 +230,9 @@ void TorchWriter::text(std::string_view value) {
   pickle_ += utf8;
 }
 
-void TorchWriter::whole(std::int64_t value) {
-  using Limits = std::numeric_limits<std::int32_t>;
-  const bool is_short = value >= Limits::min() && value <= Limits::max();
-  append_opcode(pickle_, is_short ? PickleOp::kBinInt : PickleOp::kLong1);
-  if (!is_short) pickle_ += '\x08';
-  append_little_endian(pickle_, std::bit_cast<std::uint64_t>(value), is_short ? 4 : 8);
-}
-
 void TorchWriter::tuple_of(const std::vector<std::size_t>& sizes) {
   append_opcode(pickle_, PickleOp::kMark);
-  for (const std::size_t size : sizes) whole(static_cast<std::int64_t>(size));
+  for (const std::size_t size : sizes) append_integer(pickle_, static_cast<std::int64_t>(size));
   append_opcode(pickle_, PickleOp::kTuple);
 }
 
@@ -254,14 +246,12 @@ void TorchWriter::global(std::string_view module, std::string_view name) {
 
 void TorchWriter::integer(std::string_view key, std::int64_t value) {
   text(key);
-  whole(value);
+  append_integer(pickle_, value);
 }
 
 void TorchWriter::number(std::string_view key, double value) {
   text(key);
-  append_opcode(pickle_, PickleOp::kBinFloat);
-  const auto bits = std::bit_cast<std::uint64_t>(value);
-  for (int i = 7; i >= 0; --i) pickle_ += static_cast<char>(bits >> (8 * i));
+  append_number(pickle_, value);
 }
 
 void TorchWriter::tensor(std::string_view key, const NpyArray& array) {
@@ -274,10 +264,10 @@ void TorchWriter::tensor(std::string_view key, const NpyArray& array) {
   global("torch", storage_name(array));
   text(std::to_string(storages_.size()));
   text("cpu");
-  whole(static_cast<std::int64_t>(array.element_count()));
+  append_integer(pickle_, static_cast<std::int64_t>(array.element_count()));
   append_opcode(pickle_, PickleOp::kTuple);
   append_opcode(pickle_, PickleOp::kBinPersId);
-  whole(0);  // Offset.
+  append_integer(pickle_, 0);  // Offset.
   tuple_of(array.shape);
   std::vector<std::size_t> strides(array.shape.size(), 1);
   for (std::size_t i = strides.size(); i-- > 1;) strides[i - 1] = strides[i] * array.shape[i];

@@ -82,7 +82,6 @@ class TorchWriter {
 
  private:
   void text(std::string_view value);
-  void whole(std::int64_t value);
   void tuple_of(const std::vector<std::size_t>& sizes);
   void global(std::string_view module, std::string_view name);
 

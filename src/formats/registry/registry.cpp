@@ -99,15 +99,9 @@ static_assert(std::equal(std::begin(kFormats) + kHumanFormats, std::end(kFormats
                                   format.motion_format == named.first;
                          }));
 
-std::string_view take_word(std::string_view& words) {
-  const std::string_view word = words.substr(0, words.find(' '));
-  words.remove_prefix(std::min(word.size() + 1, words.size()));
-  return word;
-}
-
 bool contains(std::string_view words, std::string_view word) {
   while (!words.empty()) {
-    if (take_word(words) == word) return true;
+    if (take_until(words, ' ') == word) return true;
   }
   return false;
 }
@@ -128,7 +122,7 @@ std::string endings_text(bool robots) {
   for (const Format& format : kFormats) {
     std::string_view endings = is_searched(format, robots) ? format.family.endings : "";
     while (!endings.empty()) {
-      const std::string_view ending = take_word(endings);
+      const std::string_view ending = take_until(endings, ' ');
       if (std::ranges::find(found, ending) == found.end()) found.emplace_back(ending);
     }
   }
@@ -211,7 +205,7 @@ Result<MotionFormat> format_from_name(std::string_view name) {
 
 std::string_view format_ending(MotionFormat format) {
   std::string_view endings = robot_format(format).family.endings;
-  return take_word(endings);
+  return take_until(endings, ' ');
 }
 
 bool format_is_folder(MotionFormat format) {

@@ -35,10 +35,8 @@ class CsvTableReader {
     const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
     const bool is_ended = text.ends_with(line_end);
     while (!text.empty()) {
-      const std::size_t end = std::min(text.find(line_end), text.size());
       ++line_;
-      TRY(read_line(text.substr(0, end)));
-      text.remove_prefix(std::min(end + 1, text.size()));
+      TRY(read_line(take_until(text, line_end)));
     }
     if (table_.rows() == 0) return input_failure(file_, "the file has no frames");
     constexpr std::size_t kFewestRows = 4;

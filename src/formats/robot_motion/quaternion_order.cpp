@@ -15,7 +15,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kFramesTried = 600;
-// Minimum difference between the mean upward components of the z axes of both readings.
+// Minimum difference between the mean upward components of the up axes of both readings.
 constexpr double kClearlyUpright = 0.25;
 constexpr double kStands = 0.7;
 // Maximum ratio of the smaller slip to the larger one, which must exceed kSlips (metres per frame).
@@ -67,6 +67,10 @@ OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw
   const Robot& robot = configurations.robot();
   const std::vector<TouchPoint> points = touch_points(robot);
   std::vector<Pose> world_from_body(robot.bodies().size());
+  // The axis of the root that points up while the robot stands.
+  const std::vector<double> zero = robot.zero_configuration();
+  const Vector3d up =
+      Quaterniond(zero[3], zero[4], zero[5], zero[6]).conjugate() * Vector3d::UnitZ();
   OrderEvidence evidence;
   for (const QuaternionOrder order : {QuaternionOrder::kXyzw, QuaternionOrder::kWxyz}) {
     const auto index = static_cast<std::size_t>(order);
@@ -77,7 +81,7 @@ OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw
     // Slip needs consecutive frames, so sample whole runs of frames.
     for (std::size_t frame = 0; frame < raw.frames; ++frame) {
       const Quaterniond rotation = rotation_at(raw, frame, order);
-      upright += rotation * Vector3d::UnitZ();
+      upright += rotation * up;
       if (step > 1 && (frame / 30) % step != 0) {
         slip.interrupt();
         slip_if_y_up.interrupt();
@@ -157,7 +161,6 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
   if (max < kStandsStill && up[static_cast<std::size_t>(usual)] > kStands &&
       up[static_cast<std::size_t>(other(usual))] > kStands) {
     guess.order = usual;
-    guess.by_habit = true;
     guess.reason = "both orders fit, and this is the usual one";
   }
   return guess;

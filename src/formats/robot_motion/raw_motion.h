@@ -126,7 +126,6 @@ struct OrderEvidence {
 /// The chosen order and the reason; no order if the evidence is inconclusive.
 struct OrderGuess {
   std::optional<QuaternionOrder> order;
-  bool by_habit = false;  ///< Both orders fit; the usual one is chosen.
   bool contradictory =
       false;  ///< The robot stands upright in one order and slips less in the other.
   std::string reason;
@@ -185,7 +184,7 @@ using FramePose = std::function<bool(std::size_t frame, std::span<double> qpos)>
 
 /// Compares a motion with RawMotion::places.
 /// @param clip   the motion, from `raw` with this quaternion order.
-/// Errors (kInput): bodies are in other places; names the unit or the order that would explain them.
+/// Errors (kInput): bodies are in other places; the unit or the order that would explain them.
 [[nodiscard]] Result<void> check_body_places(const RobotClip& clip, const RawMotion& raw,
                                              QuaternionOrder order, const std::string& file);
 

@@ -18,7 +18,6 @@
 #include "retarget/robot.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
-#include "robot/model/variant.h"
 
 namespace retarget {
 namespace {

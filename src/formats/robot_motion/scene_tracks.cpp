@@ -21,10 +21,6 @@ using Eigen::Vector3d;
 // Seconds before and after a contact.
 constexpr double kBlendTime = 0.15;
 
-void append_vector(std::vector<double>& values, const Vector3d& v) {
-  values.insert(values.end(), {v.x(), v.y(), v.z()});
-}
-
 std::vector<Pose> sampled(const SceneClip& scene, std::size_t body, const TrackingMotion& motion) {
   const SampleTimes times(scene.rate, motion.rate);
   std::vector<Pose> poses;
@@ -97,31 +93,30 @@ double label_at(const Column& column, double time, double frame_time) {
   return label;
 }
 
-// Appends `width` numbers of an array.
-void append_numbers(std::vector<double>& to, const std::vector<double>& from, std::size_t begin,
-                    std::size_t width) {
-  const auto first = from.begin() + static_cast<std::ptrdiff_t>(begin);
-  to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(width));
-}
-
 // holosoma's configurations of robot and objects.
 void add_qpos(const TrackingMotion& motion, NpzWriter& npz) {
   const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();
   const std::size_t objects = motion.objects->names.size();
   std::vector<double> qpos;
   for (std::size_t frame = 0; frame < motion.frames; ++frame) {
-    append_numbers(qpos, motion.body_pos, 3 * frame * bodies, 3);
-    append_numbers(qpos, motion.body_quat, 4 * frame * bodies, 4);
-    append_numbers(qpos, motion.joint_pos, frame * joints, joints);
+    append_row(qpos, motion.body_pos, 3 * frame * bodies, 3);
+    append_row(qpos, motion.body_quat, 4 * frame * bodies, 4);
+    append_row(qpos, motion.joint_pos, frame * joints, joints);
     for (std::size_t object = 0; object < objects; ++object) {
-      append_numbers(qpos, motion.objects->pos, 3 * (frame * objects + object), 3);
-      append_numbers(qpos, motion.objects->quat, 4 * (frame * objects + object), 4);
+      append_row(qpos, motion.objects->pos, 3 * (frame * objects + object), 3);
+      append_row(qpos, motion.objects->quat, 4 * (frame * objects + object), 4);
     }
   }
   npz.add("qpos", float32_array(qpos, {motion.frames, 7 + joints + 7 * objects}));
 }
 
 }  // namespace
+
+void append_row(std::vector<double>& to, const std::vector<double>& from, std::size_t begin,
+                std::size_t width) {
+  const auto first = from.begin() + static_cast<std::ptrdiff_t>(begin);
+  to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(width));
+}
 
 void add_scene_arrays(const TrackingMotion& motion, NpzWriter& npz) {
   const std::size_t frames = motion.frames;

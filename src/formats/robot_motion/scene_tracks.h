@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "formats/containers/npz.h"
 #include "retarget/clip.h"
@@ -20,6 +22,10 @@ namespace retarget {
 /// linearly to 0 in the 0.15 s before and after, in which the fit approaches and leaves surfaces.
 [[nodiscard]] TrackedContacts tracked_contacts(const ContactLabels& labels, const FrameRate& clip,
                                                const TrackingMotion& motion);
+
+/// Appends `width` numbers of a row.
+void append_row(std::vector<double>& to, const std::vector<double>& from, std::size_t begin,
+                std::size_t width);
 
 /// Adds the arrays that only motions in scenes have; see format_tracking_npz.
 void add_scene_arrays(const TrackingMotion& motion, NpzWriter& npz);

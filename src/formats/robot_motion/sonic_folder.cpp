@@ -131,8 +131,7 @@ Result<NumberTable> read_table(const std::string& path, std::size_t max_bytes) {
   std::string_view text = content.view();
   std::size_t line_number = 0;
   while (!text.empty()) {
-    std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    std::string_view line = take_until(text, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);
     ++line_number;
     if (line.empty() || (line_number == 1 && is_sonic_header(line))) continue;

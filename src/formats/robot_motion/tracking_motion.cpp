@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/option_name.h"
+#include "formats/containers/npz.h"
 #include "formats/robot_motion/sample_times.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -96,10 +97,6 @@ std::vector<Vector3d> mass_centres(const Robot& robot, const std::vector<int>& b
   return centres;
 }
 
-void append(std::vector<double>& values, const Vector3d& v) {
-  values.insert(values.end(), {v.x(), v.y(), v.z()});
-}
-
 // Fills the arrays of one motion.
 class TrackingMaker {
  public:
@@ -130,7 +127,7 @@ class TrackingMaker {
     const Vector3d linear = (samples.position[at.after] - samples.position[at.before]) / time;
     posed_.update(samples.qpos[i]);
     find_velocities(linear, root_angular);
-    append(motion_.root_lin_vel, linear);
+    append_vector(motion_.root_lin_vel, linear);
     for (const int joint : layout_.joints) {
       motion_.joint_pos.push_back(samples.qpos[i][robot_.joints()[joint].qpos_address]);
       motion_.joint_vel.push_back(speeds_[joint]);
@@ -138,12 +135,12 @@ class TrackingMaker {
     for (std::size_t k = 0; k < layout_.bodies.size(); ++k) {
       const Pose body = posed_.world_from_body(layout_.bodies[k]);
       const int link = robot_.tree().attachment(layout_.bodies[k]).link;
-      append(motion_.body_pos, body.translation);
+      append_vector(motion_.body_pos, body.translation);
       motion_.body_quat.insert(motion_.body_quat.end(), {body.rotation.w(), body.rotation.x(),
                                                          body.rotation.y(), body.rotation.z()});
       const Vector3d from_origin = body * centres_[k] - posed_.origin();
-      append(motion_.body_lin_vel, linear_[link] + angular_[link].cross(from_origin));
-      append(motion_.body_ang_vel, angular_[link]);
+      append_vector(motion_.body_lin_vel, linear_[link] + angular_[link].cross(from_origin));
+      append_vector(motion_.body_ang_vel, angular_[link]);
     }
   }
 

@@ -74,8 +74,7 @@ std::vector<double> local_positions(const RobotClip& clip) {
     for (int i = 0; i < 7; ++i) unmoved[i] = i == 3 ? 1.0 : 0.0;
     forward_kinematics(clip.robot(), unmoved, root_from_body);
     for (std::size_t b = 1; b < bodies; ++b) {
-      const Eigen::Vector3d& place = root_from_body[b].translation;
-      positions.insert(positions.end(), {place.x(), place.y(), place.z()});
+      append_vector(positions, root_from_body[b].translation);
     }
   }
   return positions;
@@ -85,17 +84,14 @@ std::vector<double> local_positions(const RobotClip& clip) {
 std::vector<double> rotation_vectors(const RobotClip& clip, std::size_t empty_rows) {
   const Robot& robot = clip.robot();
   std::vector<double> vectors;
-  const auto append = [&](const Eigen::Vector3d& v) {
-    vectors.insert(vectors.end(), {v.x(), v.y(), v.z()});
-  };
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
-    append(log_so3(Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6])));
+    append_vector(vectors, log_so3(Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6])));
     for (const int index : robot.output_joints()) {
       const RobotJoint& joint = robot.joints()[index];
-      append(qpos[joint.qpos_address] * joint.axis);
+      append_vector(vectors, qpos[joint.qpos_address] * joint.axis);
     }
-    for (std::size_t i = 0; i < empty_rows; ++i) append(Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < empty_rows; ++i) append_vector(vectors, Eigen::Vector3d::Zero());
   }
   return vectors;
 }
@@ -127,13 +123,6 @@ void put_motion(PickleWriter& pickle, const RobotClip& clip, MotionFormat format
   pickle.end_dict();
 }
 
-// Appends `width` numbers of a row.
-void append_row(std::vector<double>& to, const std::vector<double>& from, std::size_t begin,
-                std::size_t width) {
-  const auto first = from.begin() + static_cast<std::ptrdiff_t>(begin);
-  to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(width));
-}
-
 // holosoma's joint arrays begin with the root, as in MuJoCo's qpos and qvel.
 void add_joints_behind_root(const TrackingMotion& motion, NpzWriter& npz) {
   const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();
@@ -159,10 +148,10 @@ struct BodyRows {
 
   void add(const Eigen::Vector3d& at, const Eigen::Quaterniond& turn,
            const Eigen::Vector3d& velocity, const Eigen::Vector3d& rate) {
-    position.insert(position.end(), {at.x(), at.y(), at.z()});
+    append_vector(position, at);
     rotation_xyzw.insert(rotation_xyzw.end(), {turn.x(), turn.y(), turn.z(), turn.w()});
-    linear.insert(linear.end(), {velocity.x(), velocity.y(), velocity.z()});
-    angular.insert(angular.end(), {rate.x(), rate.y(), rate.z()});
+    append_vector(linear, velocity);
+    append_vector(angular, rate);
   }
 };
 

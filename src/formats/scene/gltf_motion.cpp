@@ -11,7 +11,6 @@
 #include "base/json.h"
 #include "base/try.h"
 #include "retarget/so3.h"
-#include "retarget/text.h"
 
 namespace retarget {
 namespace {

@@ -34,17 +34,13 @@ std::string_view text_of(const XMLElement* element) {
 
 // Parses finite numbers separated by blanks. Returns nothing for other text.
 std::optional<std::vector<double>> numbers_of(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
   std::vector<double> numbers;
-  while (true) {
-    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-    if (text.empty()) return numbers;
-    const std::size_t length = std::min(text.find_first_of(kBlanks), text.size());
-    const auto number = parse_number<double>(text.substr(0, length));
+  for (auto word = take_word(text); !word.empty(); word = take_word(text)) {
+    const auto number = parse_number<double>(word);
     if (!number || !std::isfinite(*number) || std::abs(*number) > 1e9) return std::nullopt;
     numbers.push_back(*number);
-    text.remove_prefix(length);
   }
+  return numbers;
 }
 
 // The part before the slash, such as `Pelvis` in `Pelvis/jL5S1`.

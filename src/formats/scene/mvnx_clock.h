@@ -23,7 +23,7 @@ struct MvnxClockFault {
 /// Compares the stamps of frames with even frames. Times and indices count if all frames have them
 /// and they are not all equal.
 /// @param fps  stated rate, Hz; nothing: only the evenness is checked.
-/// @return nothing if there is no contradiction.
+/// @return empty without a contradiction.
 [[nodiscard]] std::optional<MvnxClockFault> mvnx_clock_fault(const std::vector<MvnxStamp>& stamps,
                                                              const std::optional<double>& fps);
 

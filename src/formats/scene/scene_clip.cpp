@@ -56,7 +56,7 @@ constexpr std::size_t kMaxBytesOfFile = 256;
 constexpr double kUneven = 1.01;
 // A body with fingers, face and helpers has a few hundred.
 constexpr std::size_t kMaxJoints = 5000;
-// Frames of each other take in which to search for the rest pose: an hour at 30 fps.
+// Frames that are searched for the rest pose in each of the other takes: an hour at 30 fps.
 constexpr int kMaxSearchedFrames = 108'000;
 
 class SceneSampler {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/option_name.h"
-#include "retarget/text.h"
 
 namespace retarget {
 namespace {

@@ -11,7 +11,6 @@
 #include "formats/containers/npz.h"
 #include "formats/smpl/motion_arrays.h"
 #include "retarget/so3.h"
-#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -148,14 +147,16 @@ class Reader {
     places.reserve(3 * frames_);
     for (std::size_t frame = 0; frame < frames_; ++frame) {
       TRY_ASSIGN(const auto root, root_rotation(frame));
-      append(poses, log_so3(root));
-      for (int joint = 1; joint < kSmplJointCount; ++joint) append(poses, rotation(frame, joint));
+      append_vector(poses, log_so3(root));
+      for (int joint = 1; joint < kSmplJointCount; ++joint)
+        append_vector(poses, rotation(frame, joint));
       for (int joint = 0; joint < kSmplHandJointCount; ++joint) {
         const int in_hand = joint % (kSmplHandJointCount / 2);
-        append(hands, body_rotation(frame, in_hand + (joint == in_hand ? kFirstLeftFinger
-                                                                       : kFirstRightFinger)));
+        append_vector(
+            hands, body_rotation(
+                       frame, in_hand + (joint == in_hand ? kFirstLeftFinger : kFirstRightFinger)));
       }
-      append(places, vector(frame, kFirstPlace));
+      append_vector(places, vector(frame, kFirstPlace));
       measure_offsets(frame, root);
     }
     TRY(check_offsets());
@@ -177,10 +178,6 @@ class Reader {
   }
 
  private:
-  static void append(std::vector<double>& values, const Eigen::Vector3d& v) {
-    values.insert(values.end(), {v.x(), v.y(), v.z()});
-  }
-
   [[nodiscard]] Eigen::Vector3d vector(std::size_t frame, std::size_t column) const {
     return Eigen::Map<const Eigen::Vector3d>(values_.data() + frame * kInterMimicColumns + column);
   }

@@ -88,8 +88,9 @@ inline constexpr int kLongestBridge = 30;
 
 /// Bridges frames in which a joint is lost by a straight line between those in which it is known. A
 /// joint is lost if its coordinates are NaN, or if it is exactly at the origin, far from its
-/// positions before and after. Bridges at most kLongestBridge frames, and none at the start or end.
-/// Adds warnings with the joints and the number of frames.
+/// positions before and after. Bridges at most kLongestBridge frames. At the start or end, NaN
+/// stays, and a joint that jumps to the origin without the body keeps its nearest position. Adds
+/// warnings with the joints and the number of frames.
 void bridge_lost_points(JointMotion& motion);
 
 }  // namespace retarget

@@ -108,9 +108,7 @@ std::vector<std::string> JointOrder::names() const {
   std::vector<std::string> names;
   std::string_view rest = joints;
   while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(' '), rest.size());
-    const std::string_view word = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::string_view word = take_until(rest, ' ');
     const bool has_fingers = word.back() == '*' || word.back() == '+';
     if (has_fingers) {
       add_fingers(std::string(word.substr(0, word.size() - 1)), word.back() == '+', names);
@@ -150,8 +148,11 @@ class LostPoints {
       end = begin + 1;
       if (!may_be_lost(begin)) continue;
       while (end < motion_.frame_count && may_be_lost(end)) ++end;
-      if (begin == 0 || end == motion_.frame_count) continue;
       if (end - begin > kLongestBridge) continue;
+      if (begin == 0 || end == motion_.frame_count) {
+        lost += hold(begin, end);
+        continue;
+      }
       const Vector3d before = place(begin - 1), after = place(end);
       const double jump = std::min(before.norm(), after.norm());
       const bool has_numbers = place(begin).allFinite();
@@ -166,6 +167,35 @@ class LostPoints {
   }
 
  private:
+  // Holds the nearest place at the start or end of the motion if the joint jumps to the origin
+  // there. NaN stays: it is an error. @return the number of frames
+  int hold(int begin, int end) {
+    if (begin == 0 && end == motion_.frame_count) return 0;
+    const int nearest = begin == 0 ? end : begin - 1, last = begin == 0 ? end - 1 : begin;
+    const int length = end - begin;
+    const int other =
+        std::clamp(begin == 0 ? nearest + length : nearest - length, 0, motion_.frame_count - 1);
+    const Vector3d kept = place(nearest);
+    if (!place(begin).allFinite() || !place(end - 1).allFinite()) return 0;
+    if (!may_be_lost(other) && !(kept.norm() > 2.0 * (place(other) - kept).norm())) return 0;
+    if (!jumps_alone(nearest, last)) return 0;
+    for (int frame = begin; frame < end; ++frame) {
+      motion_.positions[motion_.index(frame, joint_)] = kept;
+    }
+    return length;
+  }
+
+  // Whether most other joints move much less: a calibration pose at the origin is a jump of all.
+  [[nodiscard]] bool jumps_alone(int from, int to) const {
+    const double jump = (place(to) - place(from)).norm();
+    int calm = 0;
+    for (int joint = 0; joint < motion_.joint_count; ++joint) {
+      const Vector3d step = motion_.position(to, joint) - motion_.position(from, joint);
+      calm += step.norm() < 0.5 * jump ? 1 : 0;
+    }
+    return 2 * calm > motion_.joint_count;
+  }
+
   [[nodiscard]] const Vector3d& place(int frame) const { return motion_.position(frame, joint_); }
   [[nodiscard]] bool is_zero(int frame) const { return place(frame) == Vector3d::Zero(); }
   [[nodiscard]] bool may_be_lost(int frame) const {
@@ -193,7 +223,7 @@ void bridge_lost_points(JointMotion& motion) {
   motion.warnings.push_back(
       {0, 0,
        fmt::format("{} untracked (NaN, or at the origin) in up to {} of {} frames, "
-                   "interpolated: {}",
+                   "interpolated or held: {}",
                    count_text(joints.size(), "joint"), most, motion.frame_count,
                    list_names(joints, 8))});
 }

@@ -10,7 +10,6 @@
 #include "base/try.h"
 #include "formats/smpl/motion_arrays.h"
 #include "motion/clip.h"
-#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -20,15 +19,13 @@ bool is_positive(std::optional<double> value) {
   return !value || (std::isfinite(*value) && *value > 0.0);
 }
 
-Result<SmplRestBody> generic_rest_body(const ArraySource& file, const std::vector<double>& betas,
-                                       std::optional<double> height) {
-  if (height) return generic_smpl_rest_body(*height);
+Result<SmplRestBody> generic_rest_body(const ArraySource& file, const std::vector<double>& betas) {
   const double guess = smpl_height_of_betas(betas);
   if (is_human_height(guess)) return generic_smpl_rest_body(guess);
   return file.array_failure("betas",
                             "the first one, " + std::to_string(betas.front()) +
                                 ", would give a body height of " + std::to_string(guess) + " m",
-                            "give the height with " OPTION("height") ", or the body model");
+                            "check the file, or give the body model with " OPTION("smpl-model"));
 }
 
 // Evaluates the model with the motion's betas if both belong to the same family.
@@ -64,7 +61,7 @@ Result<SmplRestBody> rest_body_of(const ArraySource& file, MotionArrays& arrays,
     return model_rest_body(*options.body, arrays);
   }
   if (has_own) return *arrays.body;
-  return generic_rest_body(file, arrays.betas, options.height);
+  return generic_rest_body(file, arrays.betas);
 }
 
 // @param y_is_up  the file's world has Y up; the motion is rotated to Z up
@@ -152,9 +149,6 @@ Result<ArrayMotion> read_array_motion(std::string_view bytes, const std::string&
                                       const SmplReadOptions& options) {
   if (!is_positive(options.source_fps)) {
     return usage_failure("the source frame rate must be a finite number above 0");
-  }
-  if (!is_positive(options.height)) {
-    return usage_failure("the height must be a finite number of metres above 0");
   }
   try {
     return read_motion(bytes, file_name, options);

@@ -22,10 +22,6 @@ struct SmplReadOptions {
   /// Memory limit of the clip in bytes; a larger clip is an error.
   std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
 
-  /// Height of the generic body in metres; overrides the height implied by the betas. Not used with
-  /// a body model, which has its own height.
-  std::optional<double> height;
-
   /// The user's body model; nullptr: the generic body. Must outlive the call.
   const SmplBody* body = nullptr;
 
@@ -73,7 +69,7 @@ struct SmplMotion {
 /// trans plus its position in the rest body. If the betas belong to the other model family, the
 /// model keeps its mean shape, with a warning.
 ///
-/// Errors (kInput; kUsage for an invalid rate or height in the options) name the array and, for bad
+/// Errors (kInput; kUsage for an invalid rate in the options) name the array and, for bad
 /// values, the frame: numbers that are not finite, different lengths, no frame rate, Python
 /// objects.
 /// @param bytes      the whole file.

@@ -122,9 +122,10 @@ std::vector<LimbDirections> TrackingMeasure::hand_directions() const {
   return found;
 }
 
-// Whether the floor may constrain a limb.
+// Whether the floor may constrain a limb. A robot with a fixed base has no floor.
 bool TrackingMeasure::rests(int frame, std::span<const Bone> bones) const {
   constexpr double kLow = 0.25;  // Fraction of the leg length.
+  if (draft_.clip.robot().fixed_base()) return false;
   return std::ranges::any_of(bones, [&](Bone bone) {
     return bone_pose(frame, bone).translation.z() - posture_.floor < kLow * leg_;
   });

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "live/stream/stream_formats.h"
+#include "live/stream/stream_skeleton.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -27,13 +28,6 @@ std::string_view trimmed(std::string_view line) {
   const std::size_t begin = line.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return {};
   return line.substr(begin, line.find_last_not_of(kBlanks) + 1 - begin);
-}
-
-// Whether rows of both skeletons have the same channels for the same joints.
-bool same_rows(const Skeleton& a, const Skeleton& b) {
-  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
-    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
-  });
 }
 
 class BvhRowDecoder final : public Decoder {
@@ -73,11 +67,7 @@ void BvhRowDecoder::use(const std::shared_ptr<const Skeleton>& skeleton) {
 }
 
 Result<void> BvhRowDecoder::take(std::string_view bytes, StreamSink& sink) {
-  while (!bytes.empty()) {
-    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
-    RETARGET_TRY(take_line(trimmed(bytes.substr(0, end)), sink));
-    bytes.remove_prefix(std::min(end + 1, bytes.size()));
-  }
+  while (!bytes.empty()) RETARGET_TRY(take_line(trimmed(take_until(bytes, '\n')), sink));
   return {};
 }
 
@@ -118,7 +108,7 @@ Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
     return bad_row(fmt::format("the skeleton has more than {} joints", kMaxStreamJoints));
   }
   // The user's file has more information about the same skeleton.
-  if (known_ && same_rows(*known_, *skeleton)) return {};
+  if (known_ && have_same_joints(*known_, *skeleton)) return {};
   use(skeleton);
   sink.take_skeleton(Clip(skeleton, FrameRate{}, 0), false);
   return {};

@@ -42,7 +42,6 @@ class PatientConnection {
   void close(std::string reason);
   /// Why the connection is not open, human-readable.
   [[nodiscard]] const std::string& reason() const { return reason_; }
-  [[nodiscard]] const StreamAddress& address() const { return address_; }
 
  private:
   void begin(Clock::time_point now);

@@ -107,7 +107,6 @@ Result<void> Outputs::open(std::span<const StreamAddress> places,
 }
 
 void Outputs::take(const RobotFrame& frame) {
-  ++frames_;
   for (const auto& output : all_) output->take(frame);
 }
 

@@ -75,8 +75,6 @@ class Outputs {
   [[nodiscard]] Result<void> open(std::span<const StreamAddress> places,
                                   const FrameOutputContext& context);
   void take(const RobotFrame& frame);
-  /// Number of frames taken.
-  [[nodiscard]] std::int64_t frames() const { return frames_; }
   /// Whether no output accepts frames any more: readers have disconnected, disks are full.
   [[nodiscard]] bool are_closed() const;
   /// Sends buffered frames. Errors (kRun): a file lacks frames.
@@ -85,7 +83,6 @@ class Outputs {
 
  private:
   std::vector<std::unique_ptr<FrameOutput>> all_;
-  std::int64_t frames_ = 0;
 };
 
 /// Counts an output's frames and reports when it stops accepting them and when it recovers.

@@ -14,10 +14,10 @@
 #include "live/stream/human_bones.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/stream_formats.h"
+#include "live/stream/stream_skeleton.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
-#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -47,11 +47,6 @@ Result<Pose> pose_from(const PacketJson& json, const std::string& joint) {
     return bad_line(fmt::format("joint \"{}\": the rotation is zero", joint));
   }
   return Pose{rotation.normalized(), {number(0), number(1), number(2)}};
-}
-
-std::vector<Channel> all_channels() {
-  using enum Channel;
-  return {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation};
 }
 
 Result<std::optional<Eigen::Vector3d>> up_from(const PacketJson& header) {

@@ -6,7 +6,6 @@
 
 #include "live/stream/stats_writer.h"
 #include "retarget/os.h"
-#include "retarget/try.h"
 
 namespace retarget {
 namespace {

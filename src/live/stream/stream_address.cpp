@@ -31,9 +31,7 @@ bool is_host(std::string_view text) {
 
 Result<void> parse_extras(std::string_view text, const std::string& whole, StreamAddress& address) {
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('&'), text.size());
-    const std::string_view part = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string_view part = take_until(text, '&');
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos || equals == 0 || equals + 1 == part.size()) {
       return usage_failure(

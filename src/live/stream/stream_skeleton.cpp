@@ -11,20 +11,8 @@
 namespace retarget {
 namespace {
 
-std::vector<Channel> every_channel() {
-  using enum Channel;
-  return {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation};
-}
-
 bool same_units(const Clip& a, const Clip& b) {
   return a.origin().metres_per_unit == b.origin().metres_per_unit && a.origin().up == b.origin().up;
-}
-
-// Whether both skeletons have the same joints and channels, regardless of bone lengths.
-bool same_joints(const Skeleton& a, const Skeleton& b) {
-  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
-    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
-  });
 }
 
 double bone_length(const Skeleton& skeleton) {
@@ -36,19 +24,28 @@ double bone_length(const Skeleton& skeleton) {
 
 }  // namespace
 
+std::vector<Channel> all_channels() {
+  using enum Channel;
+  return {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation};
+}
+
+bool have_same_joints(const Skeleton& a, const Skeleton& b) {
+  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
+    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
+  });
+}
+
 bool is_same(const Clip& a, const Clip& b) {
-  const auto same = [](const Joint& one, const Joint& other) {
-    return one.name == other.name && one.parent == other.parent && one.offset == other.offset &&
-           one.channels == other.channels;
-  };
   return same_units(a, b) && a.origin().body_height == b.origin().body_height &&
-         std::ranges::equal(a.skeleton().joints(), b.skeleton().joints(), same);
+         have_same_joints(a.skeleton(), b.skeleton()) &&
+         std::ranges::equal(a.skeleton().joints(), b.skeleton().joints(), {}, &Joint::offset,
+                            &Joint::offset);
 }
 
 bool is_like(const Clip& a, const Clip& b) {
   constexpr double kMostRatio = 1.25;
   if (a.shared_skeleton() == b.shared_skeleton()) return true;
-  if (!same_units(a, b) || !same_joints(a.skeleton(), b.skeleton())) return false;
+  if (!same_units(a, b) || !have_same_joints(a.skeleton(), b.skeleton())) return false;
   const double one = bone_length(a.skeleton()), other = bone_length(b.skeleton());
   return one <= kMostRatio * other && other <= kMostRatio * one;
 }
@@ -61,7 +58,7 @@ void StreamSkeleton::set_joints(std::vector<StreamJoint> joints, const Eigen::Ve
   use_received();
   std::vector<Joint> skeleton;
   for (const StreamJoint& joint : joints_) {
-    skeleton.push_back({joint.name, joint.parent, joint.offset, {}, every_channel()});
+    skeleton.push_back({joint.name, joint.parent, joint.offset, {}, all_channels()});
   }
   // A zero pose that is not a rest pose carries no information; the first frame determines the
   // body.

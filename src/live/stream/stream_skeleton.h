@@ -19,6 +19,11 @@
 
 namespace retarget {
 
+/// The channels of a joint that moves and turns.
+[[nodiscard]] std::vector<Channel> all_channels();
+
+/// Whether two skeletons have the same joints and channels, regardless of bone lengths.
+[[nodiscard]] bool have_same_joints(const Skeleton& a, const Skeleton& b);
 /// Whether two clips have the same skeleton, unit, axes and height.
 [[nodiscard]] bool is_same(const Clip& a, const Clip& b);
 /// Whether frames of a skeleton can be read as those of another body until their own is recognised:

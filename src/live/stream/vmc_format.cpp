@@ -17,6 +17,7 @@
 #include "live/stream/human_bones.h"
 #include "live/stream/osc.h"
 #include "live/stream/stream_formats.h"
+#include "live/stream/stream_skeleton.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/try.h"
@@ -148,9 +149,7 @@ void VmcDecoder::learn_skeleton(StreamSink& sink) {
   if (!seen_[unity_bone_index("Hips")]) return;
   using enum Channel;
   const std::vector<Channel> turns = {kZRotation, kYRotation, kXRotation};
-  std::vector<Channel> all = {kXPosition, kYPosition, kZPosition};
-  all.insert(all.end(), turns.begin(), turns.end());
-  std::vector<Joint> joints = {{"root", -1, Eigen::Vector3d::Zero(), {}, all}};
+  std::vector<Joint> joints = {{"root", -1, Eigen::Vector3d::Zero(), {}, all_channels()}};
   std::map<std::string_view, int> index = {{"root", 0}};
   for (std::size_t bone = 0; bone < kUnityBoneCount; ++bone) {
     // Children of a missing bone attach to its parent.
@@ -161,7 +160,7 @@ void VmcDecoder::learn_skeleton(StreamSink& sink) {
                       parent,
                       parent_from_bone_[bone].translation,
                       {},
-                      bone == 0 ? all : turns});
+                      bone == 0 ? all_channels() : turns});
   }
   is_there_ = seen_;
   learned_ = true;

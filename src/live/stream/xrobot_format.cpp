@@ -91,14 +91,9 @@ std::optional<PoseNumbers> numbers_of_list(const PacketJson& json) {
 
 std::optional<PoseNumbers> numbers_of_text(std::string_view text) {
   PoseNumbers numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t comma = std::min(text.find(','), text.size());
-    const auto number = parse_number<double>(text.substr(0, comma));
-    // Numbers are separated by commas; the last one ends the text.
-    if (!number || (comma == text.size()) != (i + 1 == numbers.size())) return std::nullopt;
-    numbers[i] = *number;
-    text.remove_prefix(std::min(comma + 1, text.size()));
-  }
+  const auto found = numbers_from_text(text, ',');
+  if (!found || found->size() != numbers.size()) return std::nullopt;
+  std::ranges::copy(*found, numbers.begin());
   return numbers;
 }
 

@@ -14,15 +14,6 @@ constexpr double kRidge = 1e-6;
 
 }  // namespace
 
-Eigen::Vector3d base_forward(const Eigen::Quaterniond& world_from_base) {
-  const double w = world_from_base.w(), z = world_from_base.z();
-  const double twist = w * w + z * z;
-  // Upside down, there is no heading.
-  constexpr double kNoHeading = 1e-12;
-  if (!(twist > kNoHeading)) return Eigen::Vector3d::UnitX();
-  return Eigen::Vector3d((w * w - z * z) / twist, 2.0 * w * z / twist, 0.0);
-}
-
 Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vector3d& normal,
                                              const Eigen::Vector3d& forward) {
   // For a horizontal surface, the tangents are `forward` and the direction to its left.

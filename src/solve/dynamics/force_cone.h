@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 
@@ -14,15 +13,11 @@ namespace retarget {
 /// @param friction  friction coefficient.
 /// @param normal    surface normal, unit length.
 /// @param forward   horizontal direction, unit length: two edges lie in its plane with the normal.
-///     With the heading of the robot, results do not depend on the heading. The metrics of
-///     dynamics keep x, because the tracking predictor was fitted to them.
+///     With that of the base (turn_about_vertical()), results do not depend on the heading. The
+///     metrics of dynamics keep x, because the tracking predictor was fitted to them.
 [[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(
     double friction, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ(),
     const Eigen::Vector3d& forward = Eigen::Vector3d::UnitX());
-
-/// Horizontal direction, unit length, to which a rotation turns x by its part about the vertical
-/// (swing-twist decomposition). Turning the world about the vertical turns it alike.
-[[nodiscard]] Eigen::Vector3d base_forward(const Eigen::Quaterniond& world_from_base);
 
 /// The contact wrench cone: the wrenches about a reference point that contact forces inside the
 /// friction pyramids of some support points can exert. A wrench contains the force, then the

@@ -242,10 +242,16 @@ std::vector<std::string> BranchRecovery::notes() const {
     if (last - first > kNamed) {
       frames += " and " + count_text(last - first - kNamed, "more time");
     }
+    const std::string percent = number_text(100.0 * std::sqrt(after / before), 0);
+    // A change that lowers the cost of the fit may move the limb itself farther from its targets.
     notes.push_back(
-        fmt::format("the {} was stuck on a wrong branch in frames {}; on another branch its error "
-                    "is {} % of the previous error",
-                    first->limb, frames, number_text(100.0 * std::sqrt(after / before), 0)));
+        after < before
+            ? fmt::format("the {} was stuck on a wrong branch in frames {}; on another branch its "
+                          "error is {} % of the previous error",
+                          first->limb, frames, percent)
+            : fmt::format("the {} is on another branch in frames {}, because the cost of all terms "
+                          "is lower there; its own error is {} % of the previous error",
+                          first->limb, frames, percent));
     first = last;
   }
   return notes;

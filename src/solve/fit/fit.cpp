@@ -196,6 +196,20 @@ void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& 
   report.notes.emplace_back("the robot has no masses or no feet: the fit has no dynamics term");
 }
 
+// Reports that the feet stand on surfaces that are not in the source: boxes and steps, or errors
+// of the root's height that look like them.
+void note_raised_feet(const FitClip& clip, FitReport& report) {
+  constexpr double kShare = 0.05, kTime = 0.5;  // Share of the frames, seconds.
+  const RaisedFrames raised = raised_frames(clip.feet, clip.frame_count);
+  const double share = static_cast<double>(raised.count) / clip.frame_count;
+  if (share < kShare || raised.count * clip.frame_time < kTime) return;
+  report.notes.push_back(fmt::format(
+      "in {:.0f} % of the frames, the feet stand only on raised surfaces (up to {:.2f} m) that are "
+      "not in the motion: `retarget scene-from-motion` finds them for " OPTION(
+          "scene") "; if the human's floor was flat, the height of the root is wrong",
+      100.0 * share, raised.highest));
+}
+
 // Reads the human's poses and makes the targets of all frames.
 // @return true if all targets are finite and small enough for the computation.
 bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
@@ -457,6 +471,7 @@ Result<FitResult> Fit::run() {
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
     plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
     plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
+    if (run_.scene == nullptr) note_raised_feet(clip_, report);
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;

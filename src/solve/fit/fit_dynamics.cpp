@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "retarget/so3.h"
 #include "solve/dynamics/ankle_reach.h"
 #include "solve/fit/shorthand.h"
 
@@ -238,7 +239,8 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   frame.needed.head<3>() = inverse_.needed().force / weight;
   frame.needed.tail<3>() = inverse_.needed().torque / (weight * scale_.length);
   com_[at(t)] = inverse_.com();
-  headings_[at(t)] = base_forward(pose_.world_from_link.front().rotation);
+  headings_[at(t)] =
+      turn_about_vertical(pose_.world_from_link.front().rotation) * Vector3d::UnitX();
   if (!begun_) {
     find_contacts(t, clip, contacts_[at(t)]);
     frame.moved.setZero();

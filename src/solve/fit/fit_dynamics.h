@@ -110,7 +110,7 @@ class FitDynamics {
   std::vector<CentroidalFrame> frames_;
   std::vector<std::vector<FitContact>> contacts_;
   std::vector<std::vector<FitContactPlace>> contact_places_;
-  std::vector<Eigen::Vector3d> headings_;  // Of the base, by frame; base_forward().
+  std::vector<Eigen::Vector3d> headings_;  // Forward direction of the base, by frame.
   std::optional<SceneSupports> scene_;
   SolePoints sole_contacts_;                   // Contact points of the shrunk soles.
   std::vector<Eigen::Vector3d> sole_normals_;  // By foot, in the axes of its link.

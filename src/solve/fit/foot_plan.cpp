@@ -159,6 +159,25 @@ bool FootPlan::plants(int frame) const {
                              [&](const SupportGoal& goal) { return touches(goal, frame); });
 }
 
+RaisedFrames raised_frames(const FootPlan& plan, int frames) {
+  RaisedFrames raised;
+  for (int frame = 0; frame < frames; ++frame) {
+    double highest = 0.0, lowest = HUGE_VAL;
+    for (const FootEndGoal& end : plan.ends_of(frame)) {
+      if (end.phase < 0) continue;
+      highest = std::max(highest, end.support);
+      lowest = std::min(lowest, end.support);
+    }
+    // Hands, knees, seat and back only rest on the floor.
+    const auto rests = [&](const SupportGoal& goal) { return goal.phase >= 0; };
+    if (std::isinf(lowest) || !(lowest > 0.0)) continue;
+    if (std::ranges::any_of(plan.supports_of(frame), rests)) continue;
+    ++raised.count;
+    raised.highest = std::max(raised.highest, highest);
+  }
+  return raised;
+}
+
 Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
                               const TreeState& pose) {
   if (phase.support >= 0) return model.supports[at(phase.support)].world_middle(pose).head<2>();

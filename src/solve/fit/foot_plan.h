@@ -65,6 +65,14 @@ struct FootPlan {
   }
 };
 
+/// Frames in which only surfaces above the floor carry the body.
+struct RaisedFrames {
+  int count = 0;
+  double highest = 0.0;  ///< Height of the highest of these surfaces, metres.
+};
+
+[[nodiscard]] RaisedFrames raised_frames(const FootPlan& plan, int frames);
+
 /// The point that a phase holds in place: the middle of a foot end or of a SupportBody, world x and
 /// y, metres.
 [[nodiscard]] Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
