@@ -141,6 +141,18 @@ TEST(FootPlan, ShortStaysOnTheFloorAreNoDips) {
   EXPECT_LT(find_standing_heights(steps_up, {}).toe, kToeHeight + 0.06);
 }
 
+TEST(FootPlan, ReboundsFromAStepAreOnTheFloor) {
+  // Twice: a fall from a step of 0.2 m, 0.15 s on the floor, and a jump back.
+  const auto height = [](double t) {
+    const double off = std::abs(t) - 0.075;
+    return off < 0.0 ? 0.0 : std::min(0.2, 2.4 * off);
+  };
+  const auto rebounds = make_feet(10.0, 30.0, [&](double t) {
+    return FootPlace{0.0, std::min(height(t - 3.0), height(t - 6.0))};
+  });
+  EXPECT_NEAR(find_standing_heights(rebounds, {}).toe, kToeHeight, 0.02);
+}
+
 TEST(FootPlan, TheUpperFootOfALyingBodyDoesNotStand) {
   // The lower foot is flat on its side; the upper one rests on it.
   SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{0.0, 0.12}; });

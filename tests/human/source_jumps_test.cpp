@@ -51,6 +51,11 @@ TEST(SourceJumps, FastTurnsOfSeveralFramesAreNone) {
     hips = exp_so3(Vector3d(0.0, angle, 0.0)) * hips;
   }
   EXPECT_EQ(jumps_of(clip).frames, 0);
+  // Nor does the end of the turn look isolated in an excerpt that begins within it.
+  HumanPoser poser(clip, lafan1_calibration(clip.skeleton()));
+  for (int begin = 48; begin < 58; ++begin) {
+    EXPECT_EQ(find_source_jumps(poser, {begin, begin + 30}, true).frames, 0) << begin;
+  }
 }
 
 TEST(SourceJumps, NamesTeleportsAndReversals) {

@@ -80,12 +80,14 @@ void doubt_freezes(const Clip& clip, Plan& plan) {
 }
 
 void doubt_limbs(const Clip& clip, Plan& plan) {
-  const StillLimbs still = find_still_limbs(clip, plan.part, plan.human.calibration);
+  // A limb may be held still in an excerpt.
+  const StillLimbs still = find_still_limbs(clip, {0, clip.frame_count()}, plan.human.calibration);
   for (const std::string& name : still.names) {
     plan.clip_doubts.push_back(
         {0, 0,
-         fmt::format("the {} does not move while the other limbs do; it was probably not tracked",
-                     name)});
+         fmt::format(
+             "the {} does not move while the other limbs do: it was held still or not tracked",
+             name)});
   }
 }
 

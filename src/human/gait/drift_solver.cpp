@@ -44,6 +44,8 @@ class DriftSolver {
         result.discarded_heights.push_back(drift.z() * tracks_.scale);
         drift.z() = 0.0;
       }
+      // The rest must calm the feet on its own.
+      measured_ = Vector3d(1.0, 1.0, 0.0);
     }
     result.speed_after = speed_of_stances() * tracks_.scale;
     result.climb_after = climb_of_stances() * tracks_.scale;
@@ -187,12 +189,17 @@ class DriftSolver {
     drift_.swap(drift);
   }
 
-  // Whether the stances are nearer to one level before the correction.
+  // Whether the stances are nearer to one level before the correction. In a few seconds of a large
+  // drift that also happens by chance, but the correction then stops the feet.
   [[nodiscard]] bool tilts_floor() {
     constexpr double kWorse = 0.01;  // Metres.
-    double before = 0.0;
-    without_drift([&] { before = spread_of_stances(); });
-    return spread_of_stances() > before + kWorse;
+    constexpr double kStops = 0.2;   // Share of the vertical speed.
+    double before = 0.0, moving = 0.0;
+    without_drift([&] {
+      before = spread_of_stances();
+      moving = vertical_speed_of_stances();
+    });
+    return spread_of_stances() > before + kWorse && vertical_speed_of_stances() > kStops * moving;
   }
 
   // Reduces the weight of ends that move differently from the solution: they do not stand.
@@ -290,7 +297,11 @@ class DriftSolver {
   }
 
   [[nodiscard]] double speed_of_stances() const {
-    return median_of_stances([&](const Vector3d& step) { return step.norm() * rate_; });
+    return median_of_stances(
+        [&](const Vector3d& step) { return step.cwiseProduct(measured_).norm() * rate_; });
+  }
+  [[nodiscard]] double vertical_speed_of_stances() const {
+    return median_of_stances([&](const Vector3d& step) { return std::abs(step.z()) * rate_; });
   }
 
   // Per step.
@@ -313,9 +324,10 @@ class DriftSolver {
   bool vertical_, climbs_;
   bool levels_ = false;  // Whether rolling_ follows the climb of the stances.
   double rate_;
-  double turning_;                       // Turning speed above which a foot hardly stands, m/s.
-  double step_;                          // Movement of a standing end per frame, metres.
-  Vector3d rolling_ = Vector3d::Zero();  // Step of standing feet that roll.
+  double turning_;                        // Turning speed above which a foot hardly stands, m/s.
+  double step_;                           // Movement of a standing end per frame, metres.
+  Vector3d rolling_ = Vector3d::Zero();   // Step of standing feet that roll.
+  Vector3d measured_ = Vector3d::Ones();  // Axes of the measured speed: 1, others: 0.
   std::vector<Vector3d> drift_, hips_, common_;
   Vector3d change_ = Vector3d::Zero();  // RMS of the drift's second differences.
   std::array<std::vector<double>, kEndCount> stands_, weights_;

@@ -54,10 +54,11 @@ std::vector<std::string> SourceJumps::texts() const {
 
 namespace {
 
+constexpr std::size_t kAround = 2;  // Steps to either side.
+
 // Whether a step is an isolated jump. A frame of another pose is two such steps in a row.
 bool is_jump(const std::vector<double>& rates, std::size_t step, double limit) {
   constexpr double kIsolated = 3.0;
-  constexpr std::size_t kAround = 2;  // Steps to either side.
   if (!(rates[step] > limit)) return false;
   std::vector<double> around;
   const std::size_t first = step < kAround ? 0 : step - kAround;
@@ -100,8 +101,14 @@ SourceJumps find_source_jumps(HumanPoser& poser, FrameRange part, bool thighs) {
   const HumanClipInfo info = poser.info();
   if (!info.has(Bone::kHips) || part.end - part.begin < 2) return found;
   const int stride = std::max(1, static_cast<int>(std::lround(info.rate.fps() / kHighestRate)));
-  const StepRates rates = rates_of_steps(poser, part, stride, thighs);
+  // The steps around the part show whether its first and last steps are isolated.
+  const int around = static_cast<int>(kAround) * stride;
+  const int before = std::min(around, part.begin / stride * stride);
+  const FrameRange seen{part.begin - before, std::min(part.end + around, info.frame_count)};
+  const StepRates rates = rates_of_steps(poser, seen, stride, thighs);
   for (std::size_t step = 0; step < rates.speeds.size(); ++step) {
+    const int frame = seen.begin + (static_cast<int>(step) + 1) * stride;
+    if (frame <= part.begin || frame >= part.end) continue;
     bool jumps = false;
     const auto check = [&](const std::vector<double>& values, double limit, double& largest) {
       if (!is_jump(values, step, limit)) return;
@@ -112,7 +119,7 @@ SourceJumps find_source_jumps(HumanPoser& poser, FrameRange part, bool thighs) {
     check(rates.turns, kFastestTurn, found.hips_turn);
     check(rates.thighs, kFastestThigh, found.thigh_turn);
     if (!jumps) continue;
-    if (found.frames == 0) found.first = part.begin + (static_cast<int>(step) + 1) * stride;
+    if (found.frames == 0) found.first = frame;
     ++found.frames;
   }
   return found;

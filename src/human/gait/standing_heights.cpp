@@ -51,6 +51,18 @@ bool is_above_at_ends(const SourceFeet& source, double height) {
          lower_end(source, source.frame_count() - 1, kToeEnd) > height;
 }
 
+// Whether a foot was stopped before this frame: it fell, and then stands. In a dip of the root,
+// feet slow down gradually.
+bool is_stopped(const SourceFeet& source, int foot, int frame, double size) {
+  constexpr double kFall = 1.5, kStill = 0.3;  // m/s
+  const auto fall = [&](int to) {
+    const int last = source.frame_count() - 1;
+    const auto toe = [&](int at) { return source.at(std::clamp(at, 0, last), foot).toe.z(); };
+    return (toe(to - 1) - toe(to)) / (size * source.frame_time);
+  };
+  return std::max(fall(frame - 1), fall(frame)) > kFall && std::abs(fall(frame + 1)) < kStill;
+}
+
 }  // namespace
 
 // Collects slow feet with toes that satisfy `is_like_standing`.
@@ -103,7 +115,8 @@ bool StandingHeightFinder::is_a_moment(Feet level, std::size_t standing, double 
 
 // Whether no foot stays at this level: at the lowest point of a dip, feet are slow, but not for
 // long.
-bool StandingHeightFinder::is_only_passed(Feet level, double frame_time) {
+bool StandingHeightFinder::is_only_passed(Feet level, const SourceFeet& source, double size) {
+  const double frame_time = source.frame_time;
   if (carries(level, frame_time)) return false;
   const auto has = [&](int foot, int frame) {
     return std::ranges::any_of(level, [&](const StandingFoot& other) {
@@ -112,6 +125,7 @@ bool StandingHeightFinder::is_only_passed(Feet level, double frame_time) {
   };
   return std::ranges::none_of(level, [&](const StandingFoot& first) {
     if (has(first.foot, first.frame - 1)) return false;
+    if (is_stopped(source, first.foot, first.frame, size)) return true;
     int frames = 1;
     while (has(first.foot, first.frame + frames)) ++frames;
     return frames * frame_time >= kShortestStay;
@@ -127,7 +141,7 @@ StandingHeightFinder::Feet StandingHeightFinder::feet_on_floor(const SourceFeet&
   const double band = kNearLowest * size;
   auto level = between(slow_, -HUGE_VAL, lowest + band);
   const bool moment = is_a_moment(level, slow_.size(), source.frame_time);
-  if (!moment && !is_only_passed(level, source.frame_time)) return level;
+  if (!moment && !is_only_passed(level, source, size)) return level;
   if (!moment) {
     // The upper foot of a body that lies on its side does not stand.
     std::erase_if(slow_, [](const StandingFoot& foot) { return !foot.upright; });

@@ -45,7 +45,7 @@ class StandingHeightFinder {
   [[nodiscard]] static Feet between(Feet standing, double from, double to);
   [[nodiscard]] static bool carries(Feet level, double frame_time);
   [[nodiscard]] static bool is_a_moment(Feet level, std::size_t standing, double frame_time);
-  [[nodiscard]] static bool is_only_passed(Feet level, double frame_time);
+  [[nodiscard]] static bool is_only_passed(Feet level, const SourceFeet& source, double size);
   [[nodiscard]] Feet feet_on_floor(const SourceFeet& source, double lowest, double size);
   [[nodiscard]] double low_height(const SourceFeet& source, int end);
   [[nodiscard]] double middle_height(Feet feet, double StandingFoot::*height);

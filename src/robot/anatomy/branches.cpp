@@ -147,8 +147,12 @@ Eigen::Vector3d level_way(const TreeState& posed, const std::vector<int>& to,
     Eigen::Vector3d gap = posed.anchor(to[i]) - posed.anchor(from[i]);
     gap.z() = 0.0;
     between_anchors += gap;
-    const Eigen::Vector3d& axis = posed.axis(to[i]);
-    if (std::abs(axis.dot(posed.axis(from[i]))) < kParallel) continue;
+    // In the mean of both axes, mirrored slants cancel.
+    const Eigen::Vector3d& other = posed.axis(from[i]);
+    const double alike = posed.axis(to[i]).dot(other);
+    if (std::abs(alike) < kParallel) continue;
+    const Eigen::Vector3d axis =
+        (posed.axis(to[i]) + std::copysign(1.0, alike) * other).normalized();
     Eigen::Vector3d level(axis.x(), axis.y(), 0.0);
     level = level.norm() > kLeast ? level.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
     between_axes += gap - gap.dot(level) * level;

@@ -115,6 +115,7 @@ class LimbFinder {
   [[nodiscard]] Eigen::Matrix3d in_body(int body, const Eigen::Matrix3d& world_from_bone) const;
   [[nodiscard]] std::optional<LimbPart> head() const;
   [[nodiscard]] Result<void> check_lean() const;
+  [[nodiscard]] Result<void> check_sides(const std::array<LimbShape, 2>& limbs) const;
   [[nodiscard]] Failure no_ankles() const;
   [[nodiscard]] int body_of(int link) const { return robot_.tree().links()[link].body; }
 
@@ -294,12 +295,28 @@ Failure LimbFinder::no_ankles() const {
   return no_legs_failure(file_, "the legs have no ankle joints (a stand or wheels?)");
 }
 
+// Joints that do not mirror each other exactly can end the limbs of both sides at different ones.
+Result<void> LimbFinder::check_sides(const std::array<LimbShape, 2>& limbs) const {
+  const auto &a = limbs[0].joints, &b = limbs[1].joints;
+  if (a.size() == b.size()) return {};
+  const auto name_of = [&](const std::vector<int>& joints) {
+    return joints.empty() ? std::string("none") : printable(robot_.joints()[joints.front()].name);
+  };
+  return config_failure(file_,
+                        fmt::format("the limbs starting at {} and {} end at different joints: {} "
+                                    "and {} joints",
+                                    name_of(a), name_of(b), a.size(), b.size()),
+                        "place the joints of both sides symmetrically");
+}
+
 Result<RobotAnatomy> LimbFinder::find() {
   TRY_ASSIGN(const LimbPairs pairs, find_limb_pairs(robot_, posed_, reference_, file_));
   legs_ = pairs.legs;
   arms_ = pairs.arms;
   lean_ = pairs.lean;
   found_.has_legs = !robot_.fixed_base();
+  TRY(check_sides(legs_.limbs));
+  TRY(check_sides(arms_.limbs));
   find_facing();
   if (found_.has_legs) TRY(compare_flexion(robot_, file_, true, legs_.limbs, found_));
   TRY(compare_flexion(robot_, file_, false, arms_.limbs, found_));

@@ -163,10 +163,13 @@ RaisedFrames raised_frames(const FootPlan& plan, int frames) {
   RaisedFrames raised;
   for (int frame = 0; frame < frames; ++frame) {
     double highest = 0.0, lowest = HUGE_VAL;
-    for (const FootEndGoal& end : plan.ends_of(frame)) {
-      if (end.phase < 0) continue;
-      highest = std::max(highest, end.support);
-      lowest = std::min(lowest, end.support);
+    const auto ends = plan.ends_of(frame);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (ends[i].phase < 0) continue;
+      // A foot that lies or kneels, as while a person gets up, does not stand on a surface.
+      if (plan.upright_of(frame)[i / 2] < 0.5) lowest = 0.0;
+      highest = std::max(highest, ends[i].support);
+      lowest = std::min(lowest, ends[i].support);
     }
     // Hands, knees, seat and back only rest on the floor.
     const auto rests = [&](const SupportGoal& goal) { return goal.phase >= 0; };

@@ -71,6 +71,14 @@ class RobotMeasure {
   // Joints of the bodies [begin, end) of a path, from the trunk outwards.
   [[nodiscard]] std::vector<int> joints_of(const std::vector<int>& path, std::size_t begin,
                                            std::size_t end) const;
+  // Centres of a limb's joints.
+  struct Centres {
+    Eigen::Vector3d first, middle, end;
+    [[nodiscard]] double length() const { return (middle - first).norm() + (end - middle).norm(); }
+  };
+  [[nodiscard]] Centres centres_of(const Chain& chain, std::size_t common, std::size_t bones) const;
+  [[nodiscard]] Centres centres_with(const Chain& chain, std::size_t common, std::size_t bones,
+                                     const Eigen::Vector3d& middle) const;
   [[nodiscard]] Eigen::Vector3d root_of(const Chain& chain, std::size_t begin,
                                         const Eigen::Vector3d& middle) const;
   [[nodiscard]] Eigen::Vector3d end_of(const Chain& chain, const Eigen::Vector3d& middle,
@@ -212,6 +220,29 @@ void RobotMeasure::note(Bone bone, const Eigen::Vector3d& centre) {
   limbs_.body_from_joint[bone] = posed_.world_from_body(body).inverse() * centre;
 }
 
+RobotMeasure::Centres RobotMeasure::centres_with(const Chain& chain, std::size_t common,
+                                                 std::size_t bones,
+                                                 const Eigen::Vector3d& middle) const {
+  const Eigen::Vector3d first = root_of(chain, common, middle);
+  return {first, middle, bones == 3 ? end_of(chain, middle, first) : middle};
+}
+
+// A joint with a separate frame may be anywhere on its axis, and so may the origin of the link
+// beyond it. Of both, the knee or elbow is where the limb is shorter.
+RobotMeasure::Centres RobotMeasure::centres_of(const Chain& chain, std::size_t common,
+                                               std::size_t bones) const {
+  const auto& [path, lower, bend] = chain;
+  const Eigen::Vector3d middle = centre_of_joints(path, bend, lower + 1);
+  const Centres centres = centres_with(chain, common, bones, middle);
+  const std::vector<int> joints = joints_of(path, bend, lower + 1);
+  if (bones < 3 || bend == lower || joints.size() != 1) return centres;
+  const Eigen::Vector3d& axis = posed_.axis(joints.front());
+  const Eigen::Vector3d origin = posed_.world_from_body(path[lower]).translation;
+  const Centres others =
+      centres_with(chain, common, bones, middle + axis * axis.dot(origin - middle));
+  return others.length() < centres.length() ? others : centres;
+}
+
 Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredLimb, 2>& limbs,
                                                       std::size_t bones) {
   std::array<Chain, 2> chains;
@@ -225,10 +256,7 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredL
   }
   Pair pair;
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto& [path, lower, bend] = chains[side];
-    const Eigen::Vector3d middle = centre_of_joints(path, bend, lower + 1);
-    const Eigen::Vector3d first = root_of(chains[side], common, middle);
-    const Eigen::Vector3d end = bones == 3 ? end_of(chains[side], middle, first) : middle;
+    const auto [first, middle, end] = centres_of(chains[side], common, bones);
     note(limbs[side].bones[0], first);
     note(limbs[side].bones[1], middle);
     note(limbs[side].bones[2], end);
