@@ -52,7 +52,8 @@ TEST(SourceJumps, FastTurnsOfSeveralFramesAreNone) {
   }
   EXPECT_EQ(jumps_of(clip).frames, 0);
   // Nor does the end of the turn look isolated in an excerpt that begins within it.
-  HumanPoser poser(clip, lafan1_calibration(clip.skeleton()));
+  const Calibration calibration = lafan1_calibration(clip.skeleton());
+  HumanPoser poser(clip, calibration);
   for (int begin = 48; begin < 58; ++begin) {
     EXPECT_EQ(find_source_jumps(poser, {begin, begin + 30}, true).frames, 0) << begin;
   }
