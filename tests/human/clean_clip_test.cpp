@@ -111,7 +111,7 @@ void freeze(Clip& clip, const std::vector<std::string>& beginnings) {
 }
 
 StillLimbs still_limbs(const Clip& clip) {
-  return find_still_limbs(clip, {0, clip.frame_count()}, lafan1_calibration(clip.skeleton()));
+  return find_still_limbs(clip, lafan1_calibration(clip.skeleton()));
 }
 
 TEST(CleanClip, ALegThatIsNotTrackedDoesNotMoveTheRoot) {

@@ -80,8 +80,7 @@ void doubt_freezes(const Clip& clip, Plan& plan) {
 }
 
 void doubt_limbs(const Clip& clip, Plan& plan) {
-  // A limb may be held still in an excerpt.
-  const StillLimbs still = find_still_limbs(clip, {0, clip.frame_count()}, plan.human.calibration);
+  const StillLimbs still = find_still_limbs(clip, plan.human.calibration);
   for (const std::string& name : still.names) {
     plan.clip_doubts.push_back(
         {0, 0,
@@ -152,7 +151,7 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
 void doubt_jumps(const Clip& clip, Plan& plan) {
   if (is_of_robot(clip)) return;
   HumanPoser poser(clip, plan.human.calibration);
-  // A calibration pose before the motion is none of its frames.
+  // A calibration pose before the motion does not belong to it.
   const FrameRange part = {std::max(plan.part.begin, count_lead_in_frames(clip)), plan.part.end};
   // Rotations that were computed from positions turn fast about straight legs.
   const SourceJumps jumps = find_source_jumps(poser, part, clip.origin().unknown_rotations.empty());

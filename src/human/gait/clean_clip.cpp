@@ -139,7 +139,7 @@ class ClipCleaner {
     // cover a part of the path and hide the fault from the gates.
     if (!jittery_ && root_is_missing(feet, hips)) return;
     // A leg that is not tracked moves with the hips, like a foot that stands while the root drifts.
-    if (find_still_limbs(clip_, {0, clip_.frame_count()}, calibration_).leg) return;
+    if (find_still_limbs(clip_, calibration_).leg) return;
     const DriftRule rule{jittery_, jittery_ || evidence.climbs(), evidence.climbs_steadily};
     const RootDrift found = find_root_drift(feet, hips, rule);
     if (found.drift.empty() || (!jittery_ && !found.helps())) return;

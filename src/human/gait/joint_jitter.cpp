@@ -112,8 +112,8 @@ class JitterSearch {
   }
 
  private:
-  // Noise in the hips and other limbs, but not in the legs, is probably noise of the whole body, which
-  // fast legs hide. Smoothing the rest alone would move the feet.
+  // Noise in the hips and other limbs, but not in the legs, is probably noise of the whole body,
+  // which fast legs hide. Smoothing the rest alone would move the feet.
   [[nodiscard]] static bool hides_noise_of_legs(const std::vector<const JitterLimb*>& limbs) {
     const auto are_hips = [](const JitterLimb* limb) { return limb->feet[0] && limb->feet[1]; };
     const auto is_leg = [](const JitterLimb* limb) { return limb->feet[0] != limb->feet[1]; };

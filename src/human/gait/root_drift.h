@@ -45,7 +45,8 @@ struct RootDrift {
   /// Vertical part that was discarded because it moves stances away from one level, metres; empty:
   /// none.
   std::vector<double> discarded_heights;
-  /// Median speed of foot ends that probably stand, apart from that of rolling feet, m/s.
+  /// Median speed of foot ends that probably stand, apart from that of rolling feet, m/s;
+  /// horizontal if heights were discarded.
   double speed_before = 0.0;
   double speed_after = 0.0;   ///< The same after the drift is removed.
   double climb_before = 0.0;  ///< Climb of these foot ends over the clip, metres.

@@ -36,24 +36,6 @@ double turn_of_thighs(const HumanPose& from, const HumanPose& to, const HumanCli
   return largest;
 }
 
-}  // namespace
-
-std::vector<std::string> SourceJumps::texts() const {
-  std::vector<std::string> texts;
-  if (hips_speed > 0.0) {
-    texts.push_back(fmt::format("the hips move at {} m/s", number_text(hips_speed, 1)));
-  }
-  if (hips_turn > 0.0) {
-    texts.push_back(fmt::format("the hips turn at {} rad/s", number_text(hips_turn, 0)));
-  }
-  if (thigh_turn > 0.0) {
-    texts.push_back(fmt::format("the thighs turn at {} rad/s", number_text(thigh_turn, 0)));
-  }
-  return texts;
-}
-
-namespace {
-
 constexpr std::size_t kAround = 2;  // Steps to either side.
 
 // Whether a step is an isolated jump. A frame of another pose is two such steps in a row.
@@ -69,7 +51,7 @@ bool is_jump(const std::vector<double>& rates, std::size_t step, double limit) {
   return around.size() < 2 || rates[step] > kIsolated * around[1];
 }
 
-// Rates of each step.
+// By step.
 struct StepRates {
   std::vector<double> speeds, turns, thighs;
 };
@@ -92,6 +74,20 @@ StepRates rates_of_steps(HumanPoser& poser, FrameRange part, int stride, bool th
 }
 
 }  // namespace
+
+std::vector<std::string> SourceJumps::texts() const {
+  std::vector<std::string> texts;
+  if (hips_speed > 0.0) {
+    texts.push_back(fmt::format("the hips move at {} m/s", number_text(hips_speed, 1)));
+  }
+  if (hips_turn > 0.0) {
+    texts.push_back(fmt::format("the hips turn at {} rad/s", number_text(hips_turn, 0)));
+  }
+  if (thigh_turn > 0.0) {
+    texts.push_back(fmt::format("the thighs turn at {} rad/s", number_text(thigh_turn, 0)));
+  }
+  return texts;
+}
 
 SourceJumps find_source_jumps(HumanPoser& poser, FrameRange part, bool thighs) {
   constexpr double kFastestHips = 10.0;                        // m/s

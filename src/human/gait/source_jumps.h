@@ -16,7 +16,7 @@ struct SourceJumps {
   double hips_turn = 0.0;   ///< Largest impossible turning speed of the hips, rad/s; 0: none.
   double thigh_turn = 0.0;  ///< The same for a thigh relative to the hips.
 
-  /// One phrase per kind of jump: `hips move at 12.7 m/s`.
+  /// One phrase per kind of jump: `the hips move at 12.7 m/s`.
   [[nodiscard]] std::vector<std::string> texts() const;
 };
 

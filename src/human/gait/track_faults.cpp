@@ -219,13 +219,13 @@ Bone base_of(const HumanClipInfo& human, const LimbBones& limb) {
 
 }  // namespace
 
-StillLimbs find_still_limbs(const Clip& clip, FrameRange part, const Calibration& calibration) {
+StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration) {
   StillLimbs still;
-  if (part.begin >= part.end) return still;
+  if (clip.frame_count() == 0) return still;
   HumanPoser poser(clip, calibration);
   const HumanClipInfo human = poser.info();
   HumanPose pose;
-  poser.pose(part.begin, pose);
+  poser.pose(0, pose);
   std::array<std::optional<LimbMovement>, kTrackedLimbs.size()> limbs;
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const LimbBones& limb = kTrackedLimbs[i];
@@ -234,7 +234,7 @@ StillLimbs find_still_limbs(const Clip& clip, FrameRange part, const Calibration
   }
   const auto is_still = [](const auto& limb) { return limb && limb->is_still(); };
   const auto moves = [](const auto& limb) { return limb && limb->moves(); };
-  for (int frame = part.begin; frame < part.end; ++frame) {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
     if (std::ranges::none_of(limbs, is_still)) return still;
     poser.pose(frame, pose);
     for (auto& limb : limbs) {

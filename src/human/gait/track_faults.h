@@ -23,9 +23,9 @@ struct StillLimbs {
 
 /// Finds a leg or an arm whose bones turn by less than 0.2 degrees relative to the bones that they
 /// hang on, while the other one and a leg turn by more than 10. A leg that only stands also keeps
-/// its pose, so the foot of a still leg must travel over the ground.
-[[nodiscard]] StillLimbs find_still_limbs(const Clip& clip, FrameRange part,
-                                          const Calibration& calibration);
+/// its pose, so the foot of a still leg must travel over the ground. Looks at the whole clip,
+/// because a limb may be held still in an excerpt.
+[[nodiscard]] StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration);
 
 /// Jitter of a track of rotations or positions, measured by changes of velocity between frames. In
 /// a movement neighbouring changes are similar; in noise they alternate. Their correlation is -1/2

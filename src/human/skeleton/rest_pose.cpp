@@ -240,7 +240,7 @@ class Sources {
     if (is_mapped(hand) || !is_mapped(forearm)) return;
     const double upper_arm = body_.skeleton().joint(body_.joint(forearm)).offset.norm();
     hang_from(hand, forearm, kForearmPerUpperArm * upper_arm);
-    // An end site at the elbow is no hand.
+    // An end site at the elbow is not a hand.
     if (!along(body_.segment(forearm), rest_)) {
       turn_with(hand, forearm, body_.joint(forearm));
       sources_[hand].position_in_joint = kForearmPerUpperArm * upper_arm * axes_[forearm]->col(0);

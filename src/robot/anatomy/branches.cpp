@@ -15,10 +15,15 @@ constexpr std::size_t kWholeLimb = 4;
 
 }  // namespace
 
-std::vector<std::pair<int, int>> neighbours(const Robot& robot) {
-  const KinematicTree& tree = robot.tree();
+std::vector<bool> bodies_with_shapes(const Robot& robot) {
   std::vector<bool> has_shape(robot.bodies().size(), false);
   for (const CollisionShape& shape : robot.collision_shapes()) has_shape[shape.body] = true;
+  return has_shape;
+}
+
+std::vector<std::pair<int, int>> neighbours(const Robot& robot) {
+  const KinematicTree& tree = robot.tree();
+  const std::vector<bool> has_shape = bodies_with_shapes(robot);
   std::vector<std::pair<int, int>> pairs;
   // A link's shapes may be on bodies fixed to it.
   const auto add = [&](int above, int below) {

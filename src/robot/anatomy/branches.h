@@ -11,6 +11,9 @@
 
 namespace retarget {
 
+/// Whether each body has a shape (Robot::collision_shapes).
+[[nodiscard]] std::vector<bool> bodies_with_shapes(const Robot& robot);
+
 /// Returns the pairs of moving bodies at most two joints apart in the tree. They overlap by design,
 /// so their contact is allowed. Bodies fixed to such a body follow if they have shapes
 /// (Robot::collision_shapes). The body nearer to the root comes first.

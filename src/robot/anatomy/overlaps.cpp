@@ -23,9 +23,8 @@ class BodyMirror {
       : tree_(robot.tree()),
         posed_(robot.tree(), reference_configuration(robot)),
         left_(limbs.left),
-        has_shape_(robot.bodies().size(), false),
+        has_shape_(bodies_with_shapes(robot)),
         images_(robot.bodies().size(), -1) {
-    for (const CollisionShape& shape : robot.collision_shapes()) has_shape_[shape.body] = true;
     const auto root = [&](std::size_t side) {
       return posed_.anchor(limbs.arms[side].joints.front());
     };
