@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxWarnings = 20;
+constexpr std::size_t kMaxWarnings = 20, kMaxNotes = 20;
 
 std::string lower_extension(const BatchInput& input) {
   return lower_case(fs::path(input.relative).extension().generic_string());
@@ -46,6 +46,9 @@ class ClipNotes : public Observer {
 
   void line(std::string_view label, std::string_view text) override {
     if (label == "taken as") taken_as = text;
+    // A line without a label continues the one before.
+    if (!label.empty()) is_note_ = label == "cleaned" || label == "fit";
+    if (is_note_) notes.emplace_back(text);
   }
   void warn(const std::vector<Warning>& told, std::string_view file) override {
     // Manifests are read by command-line users, so spell options as flags.
@@ -61,8 +64,10 @@ class ClipNotes : public Observer {
   std::string taken_as;
   std::string signature;
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  ///< What the run changed in the source, and what the fit found.
 
  private:
+  bool is_note_ = false;  // Whether the last line with a label was a note.
   const Observer& batch_;
   const bool wants_signature_;
   const std::optional<std::chrono::steady_clock::time_point> deadline_;
@@ -74,6 +79,15 @@ Error spelled(Error error) {
   for (std::string& detail : error.details) detail = spell_options(detail, option_as_flag);
   error.hint = spell_options(error.hint, option_as_flag);
   return error;
+}
+
+// Replaces the texts beyond the first `most` by their number.
+std::vector<std::string> first_of(std::vector<std::string> texts, std::size_t most,
+                                  const std::string& kind) {
+  const std::size_t more = texts.size() - std::min(texts.size(), most);
+  texts.resize(texts.size() - more);
+  if (more > 0) texts.push_back("and " + std::to_string(more) + " more " + kind);
+  return texts;
 }
 
 class BatchWorker {
@@ -135,10 +149,8 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
   if (!notes.signature.empty()) entry.signature = std::move(notes.signature);
   entry.taken_as = std::move(notes.taken_as);
-  const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMaxWarnings);
-  notes.warnings.resize(notes.warnings.size() - more);
-  if (more > 0) notes.warnings.push_back("and " + std::to_string(more) + " more warnings");
-  entry.warnings = std::move(notes.warnings);
+  entry.warnings = first_of(std::move(notes.warnings), kMaxWarnings, "warnings");
+  entry.notes = first_of(std::move(notes.notes), kMaxNotes, "notes");
   if (!outcome) return failure(outcome.error());
   entry.frames = outcome->frames;
   entry.fps = outcome->fps;

@@ -58,6 +58,7 @@ struct ManifestEntry {
   std::string taken_as;  ///< Detected kind of human skeleton.
   std::string config;    ///< Configuration file; relative to the data folder if inside it.
   std::vector<std::string> warnings;   ///< Messages of the run, one line each.
+  std::vector<std::string> notes;      ///< Changes to the source, and notes of the fit.
   std::optional<ClipQuality> quality;  ///< Nothing: not measured.
   std::string finished;                ///< UTC, such as 2026-01-31T12:00:00Z.
   ClipVariant variant = {};            ///< The part of the file that was used.

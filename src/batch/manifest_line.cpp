@@ -126,6 +126,11 @@ Json json_of(const RepeatedClip& repeated) {
   return json;
 }
 
+// Writes a list, unless it is empty.
+void put_texts(Json& json, const char* key, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) json[key].push_back(valid_utf8(text));
+}
+
 // Writes how the clip relates to its file; nothing for a whole file.
 void put_variant(Json& json, const ClipVariant& variant) {
   if (!variant.source.empty()) put_name(json, "source", variant.source);
@@ -280,12 +285,8 @@ std::string manifest_line(const ManifestEntry& entry) {
   json["finished"] = entry.finished;
   if (!entry.taken_as.empty()) json["taken_as"] = valid_utf8(entry.taken_as);
   if (!entry.config.empty()) json["mapping"] = valid_utf8(entry.config);
-  if (!entry.warnings.empty()) {
-    json["warnings"] = Json::array();
-    for (const std::string& warning : entry.warnings) {
-      json["warnings"].push_back(valid_utf8(warning));
-    }
-  }
+  put_texts(json, "warnings", entry.warnings);
+  put_texts(json, "notes", entry.notes);
   if (entry.quality) json["quality"] = json_of(*entry.quality);
   if (entry.repeated) json["repeats"] = json_of(*entry.repeated);
   if (!entry.signature.empty()) json["signature"] = base64_text(entry.signature);
@@ -328,6 +329,7 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.read("taken_as", entry.taken_as);
   reader.read("mapping", entry.config);
   reader.texts("warnings", entry.warnings);
+  reader.texts("notes", entry.notes);
   if (const Json* quality = reader.member("quality")) entry.quality = clip_quality(*quality);
   return entry;
 }

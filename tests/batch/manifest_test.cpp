@@ -54,6 +54,7 @@ TEST(ManifestLine, RoundTrips) {
   entry.taken_as = "CMU";
   entry.config = "robots/r/ik.json";
   entry.warnings = {"one", "two"};
+  entry.notes = {"three"};
   entry.quality = ClipQuality{{{"jumps", 2.0}, {"limit_pct", 0.5}}, {"jumps"}, "jumps", HUGE_VAL};
   const std::string line = manifest_line(entry);
   EXPECT_EQ(line.find('\n'), line.size() - 1);

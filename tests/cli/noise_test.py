@@ -147,6 +147,14 @@ class Clean(ToolTest):
         said = self.run_on(self.noisy("walk", lambda m: noise.lost_joint(m, "LeftForeArm")))
         self.assertRegex(said, r"cleaned  LeftForeArm was lost in \d+ frames: bridged")
 
+    def test_manifests_have_the_corrections(self):
+        self.noisy("walk", noise.frozen_frames, lambda m: noise.lost_joint(m, "LeftForeArm"))
+        self.assert_done(self.run_tool("batch", "noisy.bvh", "-o", "out", "--robot", "unitree_g1",
+                                       "--no-quality", "--without", "dynamics"))
+        notes = json.loads((self.folder / "out/manifest.jsonl").read_text())["notes"]
+        self.assertTrue(any("frozen frames bridged" in note for note in notes), notes)
+        self.assertTrue(any("LeftForeArm was lost" in note for note in notes), notes)
+
     def test_long_freezes_are_kept_with_a_warning(self):
         said = self.run_on(self.noisy("walk", lambda m: noise.frozen_frames(m, 1, 40)))
         self.assertRegex(said, r"warning: the source stands still in frames \d+ to \d+ and jumps "
