@@ -6,6 +6,7 @@
 
 #include "judge/quality/mujoco_contacts.h"
 #include "retarget/shape_distance.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {
@@ -21,7 +22,9 @@ class BodyTracker {
         collisions_(clip.robot()),
         contacts_(clip.shared_robot()),
         world_from_body_(clip.robot().bodies().size()),
-        placed_(collisions_.shapes().size()) {
+        placed_(collisions_.shapes().size()),
+        placed_before_(placed_.size()),
+        placed_half_way_(placed_.size()) {
     tracks_.kept_bodies = std::move(kept_bodies);
     for (const Sole& sole : clip.robot().profile().soles) tracks_.soles.push_back({&sole, {}});
     const auto frames = static_cast<std::size_t>(clip.frame_count());
@@ -37,9 +40,12 @@ class BodyTracker {
       for (const int body : tracks_.kept_bodies) {
         tracks_.world_from_kept.push_back(world_from_body_[body]);
       }
+      std::swap(placed_, placed_before_);
       collisions_.place(world_from_body_, placed_);
       find_lowest(frame);
-      if (!placed_.empty()) find_self_contact(frame);
+      if (placed_.empty()) continue;
+      find_self_contact(frame);
+      if (frame > 0) find_crossing(frame);
     }
     return std::move(tracks_);
   }
@@ -90,12 +96,56 @@ class BodyTracker {
         std::max(depth_of_round, contacts_.depth(clip_.qpos(frame), boxes_)));
   }
 
+  // Finds the deepest penetration half-way from the last frame to this one.
+  void find_crossing(int frame) {
+    SelfContact& deepest = tracks_.crossings.emplace_back();
+    if (!has_fast_shapes()) return;
+    pose_half_way(frame);
+    forward_kinematics(clip_.robot(), half_way_, world_from_body_);
+    collisions_.place(world_from_body_, placed_half_way_);
+    collisions_.near_pairs(placed_half_way_, 0.0, near_);
+    const auto& shapes = collisions_.shapes();
+    for (const ShapePair& pair : near_) {
+      if ((step_of(pair.a) - step_of(pair.b)).norm() <= kCrossing) continue;
+      const double depth =
+          -shape_distance(placed_half_way_[pair.a], placed_half_way_[pair.b]).distance;
+      if (depth > deepest.depth) deepest = {depth, shapes[pair.a].body, shapes[pair.b].body};
+    }
+  }
+
+  // Movement of a shape's centre since the last frame.
+  [[nodiscard]] Eigen::Vector3d step_of(int shape) const {
+    return placed_[shape].centre - placed_before_[shape].centre;
+  }
+
+  // Whether two shapes may move by more than kCrossing relative to each other.
+  [[nodiscard]] bool has_fast_shapes() const {
+    double largest = 0.0, second = 0.0;
+    for (int shape = 0; shape < static_cast<int>(placed_.size()); ++shape) {
+      const double moved = (step_of(shape) - step_of(0)).norm();
+      second = std::max(second, std::min(largest, moved));
+      largest = std::max(largest, moved);
+    }
+    return largest + second > kCrossing;
+  }
+
+  void pose_half_way(int frame) {
+    const auto from = clip_.qpos(frame - 1), to = clip_.qpos(frame);
+    half_way_.resize(from.size());
+    const Eigen::Vector4d turned = Eigen::Map<const Eigen::Vector4d>(to.data() + 3);
+    for (std::size_t i = 0; i < half_way_.size(); ++i) half_way_[i] = 0.5 * (from[i] + to[i]);
+    Eigen::Vector4d before = Eigen::Map<const Eigen::Vector4d>(from.data() + 3);
+    align_sign(turned, before);
+    Eigen::Map<Eigen::Vector4d>(half_way_.data() + 3) = (before + turned).normalized();
+  }
+
   const RobotClip& clip_;
   const int stride_;
   const CollisionModel collisions_;
   MujocoContacts contacts_;
   std::vector<Pose> world_from_body_;
-  std::vector<RoundedShape> placed_;
+  std::vector<RoundedShape> placed_, placed_before_, placed_half_way_;
+  std::vector<double> half_way_;  // Positions half-way between two frames.
   std::vector<ShapePair> near_;
   std::vector<std::pair<int, int>> boxes_;  // Pairs of geoms with a box.
   BodyTracks tracks_;

@@ -132,4 +132,42 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
+void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
+                              const std::vector<char>& touches_scene) {
+  // By frame: height of the highest surface below a sole, metres.
+  std::vector<double> raised(static_cast<std::size_t>(frames), 0.0);
+  std::vector<char> carried = touches_scene;
+  carried.resize(raised.size(), 0);
+  const auto each = [frames](const std::vector<ContactPhase>& phases, const auto& visit) {
+    for (const ContactPhase& phase : phases) {
+      const int end = std::min(phase.end, frames);
+      for (int frame = phase.begin; frame < end; ++frame) {
+        visit(static_cast<std::size_t>(frame), phase.support);
+      }
+    }
+  };
+  for (const auto& phases : contacts.soles) {
+    each(phases, [&](std::size_t i, double support) { raised[i] = std::max(raised[i], support); });
+  }
+  for (const auto& foot : contacts.ends) {
+    for (const EndContacts& end : foot) {
+      each(end.phases, [&](std::size_t i, double support) {
+        if (!(support > 0.0)) carried[i] = 1;
+      });
+    }
+  }
+  for (const auto& phases : contacts.bodies) {
+    each(phases, [&](std::size_t i, double) { carried[i] = 1; });
+  }
+  FaultList faults("missing_surface_pct", "m");
+  int missing = 0;
+  for (std::size_t i = 0; i < raised.size(); ++i) {
+    if (carried[i] != 0 || !(raised[i] > 0.0)) continue;
+    ++missing;
+    faults.add("soles", static_cast<int>(i), raised[i]);
+  }
+  draft.set("missing_surface_pct", percent(missing, frames));
+  faults.move_to(draft.report, draft.options.faults_per_metric);
+}
+
 }  // namespace retarget

@@ -51,4 +51,10 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const std::vector<SourceFlight>& flights,
                       const std::vector<char>& touches_scene, double scale);
 
+/// Measures in how many frames only surfaces that the scene lacks carry the source: its soles
+/// stand above the floor, no other part is in contact, and the robot touches no body of its scene.
+/// @param touches_scene  as for measure_hovering()
+void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
+                              const std::vector<char>& touches_scene);
+
 }  // namespace retarget

@@ -82,6 +82,21 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
+void measure_crossings(const ReportBuilder& draft, const BodyTracks& tracks) {
+  if (tracks.crossings.empty()) return;
+  FaultList faults("self_crossing_max_cm", "m");
+  double deepest = 0.0;
+  for (std::size_t i = 0; i < tracks.crossings.size(); ++i) {
+    const SelfContact& crossing = tracks.crossings[i];
+    deepest = std::max(deepest, crossing.depth);
+    if (crossing.depth <= kDeep) continue;
+    faults.add(name_of(draft, crossing.body_a) + " in " + name_of(draft, crossing.body_b),
+               static_cast<int>(i), crossing.depth);
+  }
+  draft.set("self_crossing_max_cm", kInCm * deepest);
+  faults.move_to(draft.report, draft.options.faults_per_metric);
+}
+
 // Motion and agreement of the soles over all contacts of a clip.
 struct ContactFigures {
   ContactMotion motion;
@@ -167,6 +182,7 @@ void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks) {
     measure_flat_slip(draft, tracks);
   }
   measure_self_contact(draft, tracks);
+  measure_crossings(draft, tracks);
 }
 
 void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,

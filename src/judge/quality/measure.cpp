@@ -120,6 +120,7 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
   if (scale) measure_flights(draft, tracks, flights, *scale);
   measure_hovering(draft, tracks, feet, contacts, flights, touches_scene, scale.value_or(1.0));
+  if (feet.foot_count > 0) measure_missing_surfaces(draft, contacts, frames, touches_scene);
 }
 
 }  // namespace

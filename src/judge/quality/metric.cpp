@@ -107,6 +107,11 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "the two primitives.",
      kOwn},
     {"self_all_max_cm", "cm", "Depth of the deepest of these penetrations.", kOwn},
+    {"self_crossing_max_cm", "cm",
+     "Depth of the deepest penetration of two bodies half-way between two frames, for bodies that "
+     "move by more than 6 cm relative to each other: they pass through each other between the "
+     "frames.",
+     kOwn},
     {"float_planted_pct", "%",
      "Frames in which a source foot is in contact and every sole point and primitive is more than "
      "2 cm above the floor.",
@@ -116,6 +121,11 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "floor, and above the clearance of the source's lowest part, scaled, while the source is not "
      "in flight.",
      kOwn},
+    {"missing_surface_pct", "%",
+     "Frames in which only surfaces above the floor carry the source (its soles stand on them, and "
+     "no other part is in contact) and the robot touches no body of the scene: it stands on "
+     "nothing.",
+     kContacts},
     {"lying_pct", "%",
      "Frames in which the source lies or crawls: its trunk leans by more than 60 degrees, and its "
      "hips are lower than three quarters of its leg length.",
