@@ -174,7 +174,7 @@ class Output(ToolTest):
         result = self.run_tool(*words)
         self.assert_done(result)
         self.assertIn("soles    from the model's contact geoms", result.stderr)
-        self.assertIn("verdict  33 of 34 gates passed, 1 not measured", result.stderr)
+        self.assertIn("verdict  35 of 36 gates passed, 1 not measured", result.stderr)
         self.write("bare.csv", result.stdout)
         evaluated = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
                                   sample("turn_in_place"))
@@ -212,11 +212,11 @@ class Output(ToolTest):
     def test_summary_ends_with_a_verdict(self):
         # A lying body has the same gates.
         said = "\n".join(self.retarget(bvh=sample("get_up")).stderr.splitlines()[-1:])
-        self.assertRegex(said, r"^verdict  34 of 34 gates passed; right_ankle_pitch at its limit in "
+        self.assertRegex(said, r"^verdict  36 of 36 gates passed; right_ankle_pitch at its limit in "
                                r"\d+ % of frames$")
         *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
         self.assertRegex(missed, r"^missed   .*stance_height_p50_cm [\d.]+ \(at most 0.3\)")
-        self.assertRegex(verdict, r"^verdict  \d+ of 34 gates passed")
+        self.assertRegex(verdict, r"^verdict  \d+ of 36 gates passed")
         # Small robots have small bounds: 0.002 m/s for legs of 0.632 m become 0.00073 for 0.231.
         small = self.run_tool("--bvh", sample("squat"), "--robot", "stanford_toddy", "--method",
                               "gmr", "-o", "small.csv")

@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <tuple>
 
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
+#include "retarget/human_skeleton.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -107,6 +109,28 @@ TEST(Flights, DoNotCountAsHovering) {
   // As high as the source, scaled.
   EXPECT_NEAR(source_clearance(feet, contacts, 36), thrown(36), 1e-9);
   EXPECT_EQ(source_clearance(feet, contacts, 0), 0.0);
+}
+
+// A person who climbs a step of 25 cm in frame 60.
+TEST(MissingSurfaces, AreThoseThatOnlyTheSourceStandsOn) {
+  const auto step = [](int frame) { return frame < 60 ? 0.0 : 0.25; };
+  HumanClip human = raised_human(150, step, step);
+  for (HumanPose& pose : human.world_from_bone) {
+    for (const Bone bone : kAllBones) pose[bone].rotation = canonical_t_pose(bone);
+  }
+  const ContactPlan contacts = find_contacts(human);
+  const auto robot = load_g1();
+  const RobotClip clip(robot, {30, 1}, 150);
+  const QualityOptions options;
+  const auto missing = [&](const std::vector<char>& touches_scene) {
+    QualityReport report;
+    measure_missing_surfaces({clip, options, report}, contacts, 150, touches_scene);
+    return report.find("missing_surface_pct")->value;
+  };
+  EXPECT_NEAR(missing({}), 60.0, 3.0);
+  std::vector<char> touches(150, 0);
+  std::fill(touches.begin() + 100, touches.end(), char{1});
+  EXPECT_NEAR(missing(touches), 60.0 - 100.0 / 3.0, 3.0);
 }
 
 TEST(Flights, IgnoresBodiesThatLieOnTheFloor) {

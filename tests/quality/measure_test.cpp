@@ -225,6 +225,24 @@ TEST_F(MeasureQuality, MeasuresSelfCollision) {
   EXPECT_EQ(faults[0].where, "hand in knob");
 }
 
+TEST_F(MeasureQuality, MeasuresBodiesThatPassThroughEachOther) {
+  // The hand passes through the knob between frames 4 and 5, 30 cm to either side of it.
+  const auto pass = [](int frame, auto qpos) { qpos[kArm] = frame < 5 ? 0.0 : 0.6; };
+  const QualityReport report = measure(10, pass);
+  EXPECT_EQ(figure(report, "self_all_max_cm"), 0.0);
+  EXPECT_NEAR(figure(report, "self_crossing_max_cm"), 20.0, 1e-9);
+  const auto faults = faults_of(report, "self_crossing_max_cm");
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].where, "hand in knob");
+  EXPECT_EQ(faults[0].begin, 4);
+  // The whole body moves as far.
+  const auto move = [](int frame, auto qpos) { qpos[kX] = frame < 5 ? 0.0 : 0.6; };
+  EXPECT_EQ(figure(measure(10, move), "self_crossing_max_cm"), 0.0);
+  // Frames that are 5 cm apart show the overlap themselves.
+  const auto slow = [](int frame, auto qpos) { qpos[kArm] = 0.05 * frame; };
+  EXPECT_EQ(figure(measure(10, slow), "self_crossing_max_cm"), 0.0);
+}
+
 TEST_F(MeasureQuality, CountsRootJumps) {
   // A step of 0.3 m at 30 fps is 9 m/s, one of 0.4 m is 12.
   EXPECT_EQ(figure(measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 0.3; }),

@@ -9,6 +9,7 @@
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
+#include "solve/fit/crossing_frames.h"
 #include "solve/fit/limb_branch.h"
 #include "solve/fit/limb_detours.h"
 #include "solve/fit/limb_solver.h"
@@ -210,6 +211,7 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
                      [](const auto& a, const auto& b) { return a.begin < b.begin; });
   }
   solve_sunken_frames(model, options, clip, keep_going, result);
+  solve_crossing_frames(model, options, clip, keep_going, result);
   return result;
 }
 

@@ -52,6 +52,7 @@ struct FitWindow {
   int begin = 0, end = 0;   ///< Frames [begin, end).
   bool fixed_ends = false;  ///< The adjacent frames are fixed, and the steps to them have a cost.
   int context = 0;          ///< Number of fixed frames on either side used for smoothing.
+  bool between_frames = false;  ///< Whether self-collision terms also act half-way between frames.
 
   /// Whether the window contains the whole contact phase. Only then may it move the phase's anchor.
   [[nodiscard]] bool owns(const PlantedPhase& phase) const {

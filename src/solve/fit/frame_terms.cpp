@@ -262,15 +262,16 @@ void FrameTerms::add_floor(const TreeState& pose, const FrameGoals& goals, TermC
 
 // The row's non-zero entries belong to the two chains between the links and their last common
 // ancestor. Without a Hessian, adds only the cost.
-void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gradient,
-                          double* hessian, int stride, TermCosts& costs) {
+void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double share,
+                          double* gradient, double* hessian, int stride, TermCosts& costs) {
   const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
   const ShapeDistance found = distance_of(pose, a, b);
   const double apart = found.distance - options_.self_collision_margin;
   const OneSidedRow row = one_sided(apart, kOverlapBand);
   if (row.weight <= 0.0) return;
-  const double weight = square(options_.self_collision_weight) * row.weight;
-  costs[kTermSelfCollision] += square(options_.self_collision_weight) * row.cost;
+  const double squared_weight = share * square(options_.self_collision_weight);
+  const double weight = squared_weight * row.weight;
+  costs[kTermSelfCollision] += squared_weight * row.cost;
   if (hessian == nullptr) return;
   const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
   if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
@@ -321,7 +322,7 @@ void FrameTerms::add_costs(const TreeState& pose, const FrameGoals& goals,
   add_terms(pose, goals, costs);
   if (!options_.self_collision) return;
   for (const std::uint32_t pair : pairs) {
-    add_pair(pose, model_.pairs[pair], nullptr, nullptr, 0, costs);
+    add_pair(pose, model_.pairs[pair], 1.0, nullptr, nullptr, 0, costs);
   }
 }
 
@@ -333,8 +334,17 @@ void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
   write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
   if (!options_.self_collision) return;
   for (const std::uint32_t pair : pairs) {
-    add_pair(pose, model_.pairs[pair], gradient, hessian, stride, costs);
+    add_pair(pose, model_.pairs[pair], 1.0, gradient, hessian, stride, costs);
   }
+}
+
+void FrameTerms::add_crossings(const TreeState& half_way, std::span<const std::uint32_t> pairs,
+                               double* gradient, double* hessian, int stride, TermCosts& costs) {
+  const FootOverlap of_frame = foot_overlap_;
+  for (const std::uint32_t pair : pairs) {
+    add_pair(half_way, model_.pairs[pair], 0.5, gradient, hessian, stride, costs);
+  }
+  foot_overlap_ = of_frame;
 }
 
 void add_limit_margins(const FitModel& model, const FitOptions& options,

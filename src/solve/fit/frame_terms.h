@@ -109,6 +109,10 @@ class FrameTerms {
                 std::span<const std::uint32_t> pairs, double* gradient, double* hessian, int stride,
                 TermCosts& costs);
 
+  /// Adds half of the self-collision term of a pose between two frames, for one of these frames.
+  void add_crossings(const TreeState& half_way, std::span<const std::uint32_t> pairs,
+                     double* gradient, double* hessian, int stride, TermCosts& costs);
+
   /// Adds the costs of one frame without its gradient and Hessian.
   void add_costs(const TreeState& pose, const FrameGoals& goals,
                  std::span<const std::uint32_t> pairs, TermCosts& costs);
@@ -135,8 +139,8 @@ class FrameTerms {
                       TermCosts& costs);
   void add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_floor(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
-  void add_pair(const TreeState& pose, const FitPair& pair, double* gradient, double* hessian,
-                int stride, TermCosts& costs);
+  void add_pair(const TreeState& pose, const FitPair& pair, double share, double* gradient,
+                double* hessian, int stride, TermCosts& costs);
   void add_row(int link, int axis, const Eigen::Vector3d& from_root, double weight,
                double residual);
 

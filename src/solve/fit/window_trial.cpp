@@ -60,10 +60,14 @@ double WindowTrial::cost() const {
 
 bool WindowTrial::pays_off() {
   constexpr double kLessInAll = 0.97;  // Share of the cost that may remain.
+  return costs_at_most(kLessInAll);
+}
+
+bool WindowTrial::costs_at_most(double share) {
   // Tolerated increase of the unexplained wrench, because a faster limb needs larger forces: a
   // ratio; a share of the robot's weight.
   constexpr double kMoreForce = 1.2, kForceNoise = 0.03;
-  if (!(cost() < kLessInAll * cost_before_)) return false;
+  if (!(cost() < share * cost_before_)) return false;
   return !dynamics_ || dynamics_->measure(clip_) <= kMoreForce * unexplained_before_ + kForceNoise;
 }
 
@@ -80,7 +84,7 @@ bool WindowTrial::solve(const FitModel& model, const FitOptions& options) {
   };
   for (int i = 0; i < count; ++i) {
     const int begin = std::max(window_.begin, border(i) - (i > 0 ? clip_.frames_in(kOverlap) : 0));
-    const FitWindow part{begin, border(i + 1), true, window_.context};
+    const FitWindow part{begin, border(i + 1), true, window_.context, window_.between_frames};
     const FitStatus status = fit_window(model, options, part, clip_, [this] {
       stopped_ = stopped_ || (keep_going_ && !keep_going_());
       return !stopped_;

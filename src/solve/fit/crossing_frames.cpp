@@ -1,0 +1,159 @@
+#include "solve/fit/crossing_frames.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/kinematic_tree.h"
+#include "solve/fit/half_way.h"
+#include "solve/fit/near_pairs.h"
+#include "solve/fit/shorthand.h"
+#include "solve/fit/window_trial.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kDeepCrossing = 0.01;  // Depth of an overlap that counts, metres.
+constexpr double kMayCross =
+    0.04;                       // Distance up to which shapes may cross in the next step, metres.
+constexpr double kApart = 1.0;  // Seconds; crossings less apart are solved together.
+constexpr double kLongestCrossing = 5.0;  // Seconds of an interval; bounds the memory of a trial.
+
+// Measures overlaps of a fitted clip's shapes in frames and half-way between them.
+class OverlapMeter {
+ public:
+  OverlapMeter(const FitModel& model, const FitClip& clip)
+      : model_(model),
+        clip_(clip),
+        now_(model.tree),
+        before_(model.tree),
+        half_way_(model),
+        near_pairs_(model) {}
+
+  // Moves to the next frame; begin() moves to a first one.
+  void begin(int frame) {
+    frame_ = frame;
+    near_before_.clear();
+    look();
+  }
+  void next() {
+    ++frame_;
+    std::swap(now_, before_);
+    std::swap(near_now_, near_before_);
+    look();
+  }
+
+  // Depth of the deepest overlap half-way from the frame before, of shapes that pass through each
+  // other; metres, 0 without one.
+  [[nodiscard]] double depth_half_way() {
+    candidates_.clear();
+    std::ranges::set_union(near_before_, near_now_, std::back_inserter(candidates_));
+    bool posed = false;
+    double deepest = 0.0;
+    for (const std::uint32_t pair : candidates_) {
+      if (!may_cross(model_, before_, now_, pair)) continue;
+      if (!posed) half_way_.update(configuration(frame_ - 1), configuration(frame_));
+      posed = true;
+      deepest = std::max(deepest, -half_way_.distance(pair));
+    }
+    return deepest;
+  }
+  // The same in the frame, of all shapes.
+  [[nodiscard]] double depth() {
+    half_way_.update(configuration(frame_), configuration(frame_));
+    double deepest = 0.0;
+    for (const std::uint32_t pair : near_now_) {
+      deepest = std::max(deepest, -half_way_.distance(pair));
+    }
+    return deepest;
+  }
+
+ private:
+  [[nodiscard]] std::span<const double> configuration(int frame) const {
+    return clip_.frame(frame, model_.configuration_size);
+  }
+  void look() {
+    now_.update(configuration(frame_));
+    near_pairs_.find(now_, kMayCross, near_now_);
+  }
+
+  const FitModel& model_;
+  const FitClip& clip_;
+  int frame_ = 0;
+  TreeState now_, before_;
+  HalfWay half_way_;
+  NearPairs near_pairs_;
+  std::vector<std::uint32_t> near_now_, near_before_, candidates_;
+};
+
+// Intervals with a deep overlap half-way between frames.
+std::vector<FrameRange> crossing_intervals(OverlapMeter& meter, const FitClip& clip) {
+  std::vector<FrameRange> found;
+  meter.begin(0);
+  for (int frame = 1; frame < clip.frame_count; ++frame) {
+    meter.next();
+    if (!(meter.depth_half_way() > kDeepCrossing)) continue;
+    if (!found.empty() && frame - 1 < found.back().end + clip.frames_in(kApart) &&
+        frame + 1 - found.back().begin <= clip.frames_in(kLongestCrossing)) {
+      found.back().end = frame + 1;
+    } else {
+      found.push_back({frame - 1, frame + 1});
+    }
+  }
+  return found;
+}
+
+struct Overlaps {
+  double sum = 0.0;      // Of all overlaps deeper than kDeepCrossing, in frames and between them.
+  double deepest = 0.0;  // In a frame.
+};
+
+Overlaps overlaps_of(OverlapMeter& meter, const FitWindow& window) {
+  Overlaps found;
+  const auto add = [&](double depth) { found.sum += depth > kDeepCrossing ? depth : 0.0; };
+  for (int frame = window.begin; frame < window.end; ++frame) {
+    if (frame == window.begin) {
+      meter.begin(frame);
+    } else {
+      meter.next();
+      add(meter.depth_half_way());
+    }
+    const double depth = meter.depth();
+    found.deepest = std::max(found.deepest, depth);
+    add(depth);
+  }
+  return found;
+}
+
+// Whether overlaps between frames became smaller and did not move into frames.
+bool is_better(const Overlaps& after, const Overlaps& before) {
+  constexpr double kLess = 0.5;  // Share of the overlaps that may remain.
+  return after.sum < kLess * before.sum && after.deepest <= std::max(before.deepest, kDeepCrossing);
+}
+
+}  // namespace
+
+void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
+                           const std::function<bool()>& keep_going, BranchRecovery& result) {
+  constexpr double kMoreCost = 1.1;  // Ratio by which the cost of all terms may rise.
+  if (!options.self_collision || model.pairs.empty()) return;
+  OverlapMeter meter(model, clip);
+  FitOptions patient = options;
+  patient.iterations *= 2;
+  for (const auto& [begin, end] : crossing_intervals(meter, clip)) {
+    if (result.stopped) return;
+    WindowTrial trial(model, options, clip, keep_going, begin, end);
+    const Overlaps before = overlaps_of(meter, trial.window());
+    trial.look_between_frames();
+    const bool accepted = trial.solve(model, patient) &&
+                          is_better(overlaps_of(meter, trial.window()), before) &&
+                          trial.costs_at_most(kMoreCost);
+    result.conclude(trial, accepted);
+  }
+}
+
+}  // namespace retarget

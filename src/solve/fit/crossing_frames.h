@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+
+#include "retarget/options.h"
+#include "solve/fit/branch_recovery.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// Solves intervals of a fitted clip again in which limbs pass through each other, or through the
+/// body, between two frames; now with self-collision terms half-way between the frames. Keeps the
+/// result if the overlap is clearly smaller and the cost of all other terms hardly larger. All other
+/// frames stay bitwise unchanged.
+/// @param keep_going  called periodically; returning false stops the search.
+/// @param result      receives the failures.
+void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
+                           const std::function<bool()>& keep_going, BranchRecovery& result);
+
+}  // namespace retarget
