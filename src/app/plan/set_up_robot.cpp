@@ -89,9 +89,7 @@ namespace fs = std::filesystem;
 
 Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
   const SolveOptions& solve = options.solve;
-  // The limits hold for the written values; lower precision than this is not useful.
-  constexpr int kMinDecimals = 3;
-  fit.decimals = std::max(kMinDecimals, options.save.precision);
+  fit.decimals = options.save.precision;  // The limits hold for the written values.
   // In a scene, hands and feet would reach surfaces with jolts (docs/world.md).
   const bool has_scene = !solve.scene.empty() || !solve.terrain.empty();
   if (has_scene && !is_given(solve, "dynamics")) fit.dynamics = false;
