@@ -99,10 +99,11 @@ class RobotCsvFormatter {
 [[nodiscard]] std::string format_robot_csv(const RobotClip& clip,
                                            const RobotCsvOptions& options = {});
 
-/// The clip as read back from its CSV: numbers rounded as printed, joints without a column at the
-/// zero configuration, quaternions normalised and sign-continuous.
+/// The clip as read back from its CSV: numbers rounded as printed, in the units of the file, joints
+/// without a column at the zero configuration, quaternions normalised and sign-continuous.
 /// Errors (kRun): a quaternion that rounds to zero at this precision.
-[[nodiscard]] Result<RobotClip> printed_clip(const RobotClip& clip, int precision = 6);
+[[nodiscard]] Result<RobotClip> printed_clip(const RobotClip& clip,
+                                             const RobotCsvOptions& options = {});
 
 /// Names of the foot contacts, in storage order.
 inline constexpr std::array<std::string_view, 4> kContactNames = {"left_heel", "left_toe",

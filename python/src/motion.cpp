@@ -101,11 +101,24 @@ nb::object source(const MotionHandle& motion) {
   return motion.solved ? nb::cast(ClipHandle(motion.solved->source)) : nb::none();
 }
 
+// A motion's own precision is a default, which formats that print no numbers ignore.
+void drop_unused_precision(const std::string& path, SaveOptions& save) {
+  SaveOptions usual = save;
+  usual.precision = SaveOptions().precision;
+  const auto items = plan_outputs(path, usual);
+  if (!items) return;
+  const bool prints = std::ranges::any_of(*items, [](const OutputItem& item) {
+    return item.format == MotionFormat::kCsv || item.format == MotionFormat::kCsvSoma;
+  });
+  if (!prints) save = std::move(usual);
+}
+
 void save_motion(const MotionHandle& motion, const nb::object& file, const nb::kwargs& options) {
   SaveOptions how = motion.save;
   apply_keywords(save_table(how), options);
   const std::string path = bytes_of_path(file, "path");
   if (path == "-") raise(usage_failure("path: expected a file, found standard output").value());
+  if (!options.contains("precision")) drop_unused_precision(path, how);
   without_gil([&]() -> Result<void> {
     // Save the Motion if there is one: a GLB then shows the human as well.
     if (motion.solved) return retarget::save(*motion.solved, path, how);

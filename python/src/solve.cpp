@@ -7,6 +7,7 @@
 #include <chrono>
 #include <mutex>
 #include <optional>
+#include <span>
 
 #include "bindings.h"
 #include "handles.h"
@@ -57,6 +58,7 @@ MotionHandle solve_watched(Plan plan, const RobotHandle& robot, std::shared_ptr<
   control.keep_going = [&](const Progress& now) { return watcher.keep_going(now); };
   std::string summary = plan.summary();
   const std::vector<Warning> doubts = plan.doubts();
+  const std::size_t notes = plan.clip_notes.size();
   auto solved = [&] {
     const nb::gil_scoped_release released;
     return solve(std::move(plan), control);
@@ -64,6 +66,8 @@ MotionHandle solve_watched(Plan plan, const RobotHandle& robot, std::shared_ptr<
   watcher.rethrow();
   const auto motion = std::make_shared<const Motion>(value_of(std::move(solved)));
   warn(doubts, clip->name());
+  // Solving may change the timing, and notes that.
+  summary += summary_text(std::span(motion->plan.clip_notes).subspan(notes));
   if (motion->fit) {
     summary += summary_text(fit_lines(*motion->fit, !motion->clip.robot().fixed_base(), false));
   }

@@ -102,6 +102,15 @@ def test_the_summary_has_the_result_of_the_fit(walked: retarget.Motion) -> None:
     assert "robot" in labels and "fit" in labels and "floor" in labels
 
 
+def test_the_summary_has_the_changed_timing(data: Path, g1: retarget.Robot) -> None:
+    wave = retarget.load(data / "wave.bvh", source_fps=90)
+    plan = retarget.make_plan(wave, g1, time_scale="auto", fit={"max_joint_speed": 4.0})
+    assert "slowed" not in plan.summary
+    for motion in (retarget.solve(plan), retarget.to_robot(wave, g1, time_scale="auto",
+                                                   fit={"max_joint_speed": 4.0})):
+        assert "s longer" in motion.summary
+
+
 def test_slices_are_measured_at_their_time(walk: retarget.Clip, g1: retarget.Robot) -> None:
     motion = retarget.to_robot(walk, g1, start=1.0, fps=50)
     for part in (motion[50:250], motion[20:][30:230]):

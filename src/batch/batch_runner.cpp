@@ -64,7 +64,7 @@ class ClipNotes : public Observer {
   std::string taken_as;
   std::string signature;
   std::vector<std::string> warnings;
-  std::vector<std::string> notes;  ///< What the run changed in the source, and what the fit found.
+  std::vector<std::string> notes;  ///< Corrections of the source, and notes of the fit.
 
  private:
   bool is_note_ = false;  // Whether the last line with a label was a note.

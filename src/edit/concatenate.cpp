@@ -98,6 +98,8 @@ class Joiner {
     std::optional<Concatenation> best;
     for (const Seam& seam : search.seams) {
       RETARGET_TRY_ASSIGN(auto joined, join_at(seam, *on_floor));
+      const bool is_shared = search.first_is_shared && &seam == search.seams.data();
+      if (!is_shared) joined.doubts = doubt_dropped_frames(seam);
       const bool good = joined.check.faults.empty();
       if (!best || good) best = std::move(joined);
       if (good) break;
@@ -106,6 +108,20 @@ class Joiner {
     best->lift = on_floor == &b_ ? 0.0 : lift_;
     best->band = options.band;
     return std::move(*best);
+  }
+
+  // Doubts a seam that drops most of a clip.
+  [[nodiscard]] std::vector<Warning> doubt_dropped_frames(const Seam& seam) const {
+    std::vector<Warning> doubts;
+    const auto add = [&](int dropped, int frames, const char* clip) {
+      if (2 * dropped <= frames) return;
+      doubts.push_back({0, 0,
+                        fmt::format("the seam drops {} of the {} of the {} clip", dropped,
+                                    count_text(frames, "frame"), clip)});
+    };
+    add(a_.frame_count() - seam.a_frame - seam.overlap, a_.frame_count(), "first");
+    add(seam.b_frame, b_.frame_count(), "second");
+    return doubts;
   }
 
   Result<Concatenation> join_at(const Seam& seam, Clip moved) {
@@ -166,7 +182,7 @@ void describe_seam(Concatenation& joined, const FrameRate& rate) {
 void judge_seam(Concatenation& joined, bool searched_all, double longest, const std::string& a_name,
                 const std::string& b_name) {
   const std::vector<std::string>& faults = joined.check.faults;
-  joined.doubts = as_warnings(faults);
+  for (Warning& fault : as_warnings(faults)) joined.doubts.push_back(std::move(fault));
   if (faults.empty()) return;
   // A band as long as the clips has covered everything.
   const bool everywhere = searched_all || joined.band >= longest;

@@ -37,6 +37,10 @@ bool has_contacts(const ContactPlan& contacts) {
 // Metres: poses closer than this are equal.
 constexpr double kSame = 1e-5;
 
+// A seam that drops more frames than this share of the shorter clip leaves little more than the
+// longer clip: for example, a clip matches itself at the same frame.
+constexpr double kMostLost = 0.9;
+
 class SeamFinder {
  public:
   SeamFinder(const HumanClip& a, const HumanClip& b, const SeamOptions& options, bool any_overlap)
@@ -65,6 +69,7 @@ class SeamFinder {
     std::vector<PairOfFrames> taken;
     if (const int shared = shared_frames(); shared > 0) {
       taken.push_back({a_.frame_count - shared, 0, 0.0});
+      result.first_is_shared = true;
     }
     while (static_cast<int>(taken.size()) < std::max(1, options_.max_seams)) {
       const PairOfFrames next = best_pair(result.map, taken);
@@ -128,11 +133,14 @@ class SeamFinder {
     const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time() +
                                  options_.cost_of_all / (a_.frame_count + b_.frame_count);
     const int near = std::max(1, window_ / 2);
+    const int shorter = std::min(a_.frame_count, b_.frame_count);
+    const int most_lost = static_cast<int>(kMostLost * shorter);
     PairOfFrames best;
     std::size_t at = 0;
     for (int i = band_a_.begin; i < band_a_.end; ++i) {
       for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
         const int lost = (a_.frame_count - 1 - i) + j;
+        if (lost > most_lost) continue;
         const double distance = distance_.counted(map.distances[at], i, j);
         double cost = distance + cost_of_frame * lost;
         if (cost >= best.cost) continue;

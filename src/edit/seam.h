@@ -26,6 +26,7 @@ namespace retarget {
 
 struct SeamSearch {
   std::vector<Seam> seams;  ///< The best seam, then the next best ones elsewhere; at least one.
+  bool first_is_shared = false;  ///< At the first seam, the end of a is the beginning of b.
   SeamMap map;
 };
 

@@ -439,6 +439,16 @@ class EvaluateCommand(ToolTest):
         result = self.evaluate("part.csv", "--bvh", other, "--gate", "none")
         self.assertIn("records --frames 30:90 of another source", result.stderr)
 
+    def test_arms_alone_as_in_their_own_report(self):
+        self.assert_done(self.retarget("--follow", "arms", "--sidecar", "--report", "run.json",
+                                       bvh=sample("turn_in_place")))
+        self.evaluate("out.csv", "--bvh", sample("turn_in_place"), "--json", "file.json")
+        run, file = (json.loads((self.folder / name).read_text())["motions"][0]
+                     for name in ("run.json", "file.json"))
+        self.assertEqual(file["joint_offset_rad"], run["joint_offset_rad"])
+        gates = [gate for gate in run["gates"] if gate["metric"] != "solver_failures"]
+        self.assertEqual(file["gates"], gates)
+
     def test_standard_input_and_other_layouts(self):
         text = self.good.read_text()
         for name, other in (("blank", text.replace(",", " ")), ("tab", text.replace(",", "\t")),

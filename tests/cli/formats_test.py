@@ -8,7 +8,7 @@ import sys
 import unittest
 
 from motion_formats import FORMATS, GOLDEN, FormatsTest
-from tool import SOURCE
+from tool import SOURCE, sample
 
 try:
     import numpy as np
@@ -64,6 +64,8 @@ class Outputs(FormatsTest):
                 ("x.csv", ("--npz-velocity", "mass"), "csv-sonic"),
                 ("x.csv", ("--motion-name", "a"), "pkl-pbhc"),
                 ("x.pkl", ("--format", "pkl-gmr", "--csv-header"), "csv"),
+                ("x.pkl", ("--format", "pkl-gmr", "--precision", "2"), "csv-soma"),
+                ("x.glb", ("--precision", "2"), "csv-soma"),
                 ("x.csv", ("--format", "csv-soma", "--csv-quat", "wxyz"), "csv")):
             with self.subTest(options=options):
                 result = self.retarget(*options, output=output)
@@ -74,6 +76,26 @@ class Outputs(FormatsTest):
         # Given defaults change nothing, and one of several formats suffices.
         self.converted(GOLDEN / "walk.csv", "x.csv", "--npz-fps", "50")
         self.converted(GOLDEN / "walk.csv", "y", "--format", "csv,pkl-pbhc", "--motion-name", "a")
+
+    def test_the_report_is_that_of_the_printed_numbers(self):
+        for name, options in (("a.csv", ("--csv-degrees", "--csv-centimetres", "--csv-header")),
+                              ("b.csv", ("--format", "csv-soma"))):
+            self.assert_done(self.retarget("--precision", "2", "--sidecar", "--report", "run.json",
+                                           *options, bvh=sample("get_up"), output=name))
+            self.run_tool("evaluate", name, "--robot", "unitree_g1", "--fps", "30", "--bvh",
+                          sample("get_up"), "--json", "file.json")
+            run, file = (json.loads((self.folder / report).read_text())["motions"][0]
+                         for report in ("run.json", "file.json"))
+            gates = [gate for gate in run["gates"] if gate["metric"] != "solver_failures"]
+            self.assertEqual(file["gates"], gates, name)
+            self.assertEqual(run["limit_pct"], 0)
+            self.assert_done(self.run_tool("verify", f"{name}.json"))
+
+    def test_files_beside_a_coarse_csv(self):
+        self.assert_done(self.retarget("--precision", "1", "--csv-degrees", "--sidecar", "--format",
+                                       "csv,pkl-gmr,npz-mjlab", bvh=sample("squat"), output="out"))
+        for name in ("out.csv", "out.gmr.pkl", "out.mjlab.npz"):
+            self.assert_done(self.run_tool("verify", f"{name}.json"))
 
     def test_folders_of_sonic_at_other_rates(self):
         stderr = self.converted(GOLDEN / "walk.csv", "usual", "--format", "csv-sonic")

@@ -147,6 +147,12 @@ class Hands(ToolTest):
         self.assertLess(follow["left_hand_index_0_joint"][-1], -1.2)
         self.assertEqual(exact["left_elbow_joint"], follow["left_elbow_joint"])
 
+    def test_a_robot_without_fingers(self):
+        for hands in ("relaxed", "follow", "off"):
+            run = self.retarget("--hands", hands, "--frames", ":30", bvh=sample("walk"))
+            self.assertIn("no fingers to move", run.stderr, hands)
+        self.assertNotIn("fingers", self.retarget("--frames", ":30", bvh=sample("walk")).stderr)
+
     @unittest.skipIf(numpy is None, "numpy is missing")
     def test_fingers_of_smplx(self):
         frames = 60

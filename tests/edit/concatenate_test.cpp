@@ -262,6 +262,26 @@ TEST(Concatenation, WidensTheSearchForAGoodSeam) {
   EXPECT_GT(joined->seam.b_frame, 60);
 }
 
+// The end of getting up does not fit its beginning. The same frame of both clips fits, but leaves
+// one clip.
+TEST(Concatenation, DoesNotDropAWholeClip) {
+  const EditSample& up = data_sample("get_up");
+  const auto twice = concatenate(up.clip, up.clip, up.calibration, {}, "a", "b");
+  ASSERT_TRUE(twice);
+  EXPECT_GE(twice->clip.frame_count(), up.clip.frame_count() + up.clip.frame_count() / 10);
+  ASSERT_FALSE(twice->doubts.empty());
+  EXPECT_THAT(twice->doubts.front().message, testing::HasSubstr("of the 286 frames of the"));
+}
+
+TEST(Concatenation, DropsSharedFramesWithoutADoubt) {
+  const EditSample& walk = data_sample("walk");
+  const auto joined =
+      concatenate(cut(walk.clip, 0, 200), cut(walk.clip, 50, 300), walk.calibration, {}, "a", "b");
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->clip.frame_count(), 300);
+  EXPECT_THAT(joined->doubts, testing::IsEmpty());
+}
+
 Clip raised(const EditSample& sample, Clip clip, double height) {
   BodyMover::of(clip, sample.calibration)
       .value()

@@ -166,5 +166,18 @@ TEST(BodyContacts, AreEmptyWithoutFeet) {
   for (const auto& phases : all) EXPECT_THAT(phases, IsEmpty());
 }
 
+TEST(BodyContacts, HaveAFrameWithoutAShortestTime) {
+  const auto down_once = [](int frame) {
+    return Eigen::Vector3d(0.0, 0.0, frame >= 20 && frame < 30 ? 0.05 : 0.4);
+  };
+  const SourceFeet source = source_with(kLeftKnee, 60, down_once);
+  ContactOptions options;
+  options.shortest = 0.0;
+  BodyContacts all;
+  find_body_contacts(source, kStanding, 1.0, options, all);
+  EXPECT_THAT(all[kLeftKnee], ElementsAre(ContactPhase{21, 29}));
+  EXPECT_THAT(all[kLeftHand], IsEmpty());
+}
+
 }  // namespace
 }  // namespace retarget

@@ -111,7 +111,7 @@ TEST(RobotCsv, SomaFrameNumbersCountAt120Fps) {
 
 TEST(RobotCsv, PrintedClipsRoundTrip) {
   RobotClip clip = two_frames();
-  const auto printed = printed_clip(clip, 3);
+  const auto printed = printed_clip(clip, {.precision = 3});
   ASSERT_TRUE(printed) << describe(printed.error());
   EXPECT_EQ(printed->qpos(0)[2], 0.123);
   EXPECT_FALSE(std::signbit(printed->qpos(0)[7]));
@@ -122,9 +122,30 @@ TEST(RobotCsv, PrintedClipsRoundTrip) {
   }
   // The quaternion keeps its sign: 3, 4, 5, 6 is in the hemisphere opposite to .5, -.5, .5, -.5.
   EXPECT_LT(printed->qpos(1)[3], 0.0);
-  const auto nothing = printed_clip(clip, 0);
+  const auto nothing = printed_clip(clip, {.precision = 0});
   ASSERT_FALSE(nothing);
   EXPECT_NE(nothing.error().message.find("rounds to zero with 0 digits"), std::string::npos);
+}
+
+// Numbers are rounded in the units of the file.
+TEST(RobotCsv, PrintedClipsAreThoseOfTheFile) {
+  RobotClip clip = two_frames();
+  const double turn[4] = {0.8, 0.36, -0.48, 0.0};
+  std::copy(std::begin(turn), std::end(turn), clip.qpos(1).begin() + 3);
+  for (std::size_t i = 7; i < 12; ++i) clip.qpos(1)[i] = 0.0123456 * static_cast<double>(i);
+  RobotCsvOptions units;
+  units.precision = 2;
+  units.header = units.degrees = units.centimetres = true;
+  for (const RobotCsvOptions& options : {units, soma_csv_options(clip.rate(), 2)}) {
+    const auto printed = printed_clip(clip, options);
+    ASSERT_TRUE(printed) << describe(printed.error());
+    const auto read = parse_robot_motion(format_robot_csv(clip, options), clip.shared_robot(), "a");
+    ASSERT_TRUE(read) << describe(read.error());
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      const auto is = printed->qpos(frame), as = read->clip.qpos(frame);
+      for (std::size_t i = 0; i < is.size(); ++i) EXPECT_NEAR(is[i], as[i], 1e-12) << i;
+    }
+  }
 }
 
 TEST(RobotCsv, EmptyClipGivesAnEmptyFile) {

@@ -62,5 +62,39 @@ TEST(BoundSteps, BoundsHoldForPrintedNumbers) {
   }
 }
 
+// Values on a bound and between the bounds, rounded to few digits in degrees.
+TEST(BoundSteps, BoundsHoldForNumbersPrintedInDegrees) {
+  constexpr double kDegrees = PrintedUnits::kDegrees;
+  const StepBounds given{-0.5237, 1.5708, 0.1};
+  for (int digits = 1; digits <= 8; ++digits) {
+    const PrintedUnits unit{kDegrees, PrintedUnits::kCentimetres};
+    const StepBounds bounds = bounds_for_printing(given, digits, false, {&unit, 1});
+    EXPECT_GE(bounds.lower, given.lower);
+    EXPECT_LT(bounds.lower, given.lower + 0.002);
+    const double grid = std::pow(10.0, -digits);
+    const auto printed = [&](double x) {
+      return std::round(x * kDegrees / grid) * grid / kDegrees;
+    };
+    for (const double x : {bounds.lower, bounds.lower + 1e-4, bounds.upper - 1e-4, bounds.upper}) {
+      EXPECT_GE(printed(x), given.lower - 1e-12) << digits;
+      EXPECT_LE(printed(x), given.upper + 1e-12) << digits;
+      EXPECT_LE(std::abs(printed(x + bounds.step) - printed(x)), given.step + 1e-12) << digits;
+    }
+  }
+}
+
+// A file without decimals leaves the joints a range.
+TEST(BoundSteps, CoarseUnitsGetDecimals) {
+  const StepBounds given{-0.5, 1.0, 0.1};
+  const PrintedUnits si, others{PrintedUnits::kDegrees, PrintedUnits::kCentimetres};
+  const auto lower = [&](int decimals, bool slides, const PrintedUnits& unit) {
+    return bounds_for_printing(given, decimals, slides, {&unit, 1}).lower;
+  };
+  EXPECT_EQ(lower(0, false, si), bounds_for_rounding(given, 3).lower);
+  EXPECT_EQ(lower(6, false, si), bounds_for_rounding(given, 6).lower);
+  EXPECT_EQ(lower(0, true, others), lower(1, true, others));
+  EXPECT_NEAR(lower(0, false, others), -0.5, 0.002);
+}
+
 }  // namespace
 }  // namespace retarget

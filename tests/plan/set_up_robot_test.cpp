@@ -99,5 +99,46 @@ TEST(FollowArms, RejectsARobotWithoutArms) {
   EXPECT_THAT(refused.error().message, testing::HasSubstr("no arm of unitree_g1"));
 }
 
+RobotChoice g1_with(Follow follow) {
+  RobotChoice choice;
+  choice.name = "unitree_g1";
+  choice.follow = follow;
+  return choice;
+}
+
+std::string fault_of(const Options& options, Follow follow = Follow::kAll) {
+  auto robot = load_robot(g1_with(follow), DataFolder{RETARGET_SOURCE_DIR});
+  EXPECT_TRUE(robot) << describe(robot.error());
+  const auto setup = set_up_robot(std::move(*robot), options);
+  return setup ? std::string() : setup.error().message;
+}
+
+TEST(SetUpRobot, ContactsEndAboveTheValuesBelowWhichTheyBegin) {
+  Options options;
+  options.solve.fit.contact_speed = 0.3;
+  EXPECT_THAT(fault_of(options), testing::HasSubstr("\"contact_release_speed\" is 0.25, below"));
+  options.solve.fit.contact_release_speed = 0.3;
+  EXPECT_EQ(fault_of(options), "");
+  options.solve.fit.contact_release_height = 0.03;
+  EXPECT_THAT(fault_of(options), testing::HasSubstr("\"contact_release_height\" is 0.03, below"));
+}
+
+TEST(SetUpRobot, RejectsTermsThatAreBothOnAndOff) {
+  Options options;
+  options.solve.with = {"dynamics"};
+  options.solve.without = {"floor"};
+  EXPECT_EQ(fault_of(options), "");
+  options.solve.without = {"floor", "dynamics"};
+  EXPECT_THAT(fault_of(options), testing::HasSubstr("both name the term \"dynamics\""));
+}
+
+TEST(SetUpRobot, FixedBasesHaveNoSceneToWrite) {
+  Options options;
+  options.solve.terrain = "slope:5";
+  EXPECT_EQ(fault_of(options, Follow::kArms), "");
+  options.save.scene_out = "a.json";
+  EXPECT_THAT(fault_of(options, Follow::kArms), testing::HasSubstr("has no scene"));
+}
+
 }  // namespace
 }  // namespace retarget

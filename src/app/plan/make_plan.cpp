@@ -110,8 +110,11 @@ namespace {
 void note_hands(const Clip& clip, Plan& plan) {
   const SolveOptions& solve = plan.options.solve;
   const HandsRule rule = hands_rule(solve.hands, solve.method);
-  if (rule == HandsRule::kOff) return;
   const RobotHands hands = find_hands(*plan.robot.robot);
+  if (solve.hands != HandsRule::kAuto && !hands[0] && !hands[1]) {
+    plan.config_notes.push_back({"hands", "the robot has no fingers to move"});
+  }
+  if (rule == HandsRule::kOff) return;
   const SourceHands followed = followed_hands(clip, plan.human.map, hands, rule, plan.part);
   std::vector<std::string> follow, relaxed;
   for (std::size_t side = 0; side < hands.size(); ++side) {

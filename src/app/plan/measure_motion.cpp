@@ -143,16 +143,23 @@ void normalize_start(RobotClip& clip, std::optional<SceneWorld>& world) {
   if (world) world->clip = std::move(*moved.scene);
 }
 
+// How the coarsest file of a motion prints numbers; all digits if no file prints them.
+RobotCsvOptions printed_layout(const Plan& plan) {
+  const std::vector<RobotCsvOptions> layouts = csv_layouts(plan.options.save, plan.rate);
+  return layouts.empty() ? RobotCsvOptions{.precision = 17} : layouts.front();
+}
+
 }  // namespace
 
 Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   const Plan& plan = motion.plan;
   TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));
   // Measure the values that a file would contain, with their limited precision.
+  const RobotCsvOptions layout = printed_layout(plan);
   RobotClip moved = motion.clip;
   std::optional<SceneWorld> world = solved_world(motion);
   if (plan.options.save.normalize_start) normalize_start(moved, world);
-  TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
+  TRY_ASSIGN(const RobotClip printed, printed_clip(moved, layout));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
   const QualitySource source{.human = &human,
                              .config = &plan.config,
@@ -164,7 +171,7 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   QualityReport report = measure_quality(printed, plan.limits, &source);
   // Tasks pull towards the human, so the motion must not be moved away from it.
   if (plan.options.save.normalize_start) {
-    TRY_ASSIGN(const RobotClip unmoved, printed_clip(motion.clip, plan.options.save.precision));
+    TRY_ASSIGN(const RobotClip unmoved, printed_clip(motion.clip, layout));
     add_limited_joints(unmoved, plan.limits, source, report);
   } else {
     add_limited_joints(printed, plan.limits, source, report);

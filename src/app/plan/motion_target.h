@@ -39,6 +39,11 @@ class MotionTarget {
 /// along.
 void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 
+/// Layouts of the CSVs that options write, the coarsest first; empty: no file prints numbers.
+/// @param rate  of the motion.
+[[nodiscard]] std::vector<RobotCsvOptions> csv_layouts(const SaveOptions& options,
+                                                       const FrameRate& rate);
+
 /// Name of the requested reference file next to an output; empty: none.
 /// Errors (kUsage): an extension other than .npz and .csv; no name if the motion goes to standard
 /// output.

@@ -232,17 +232,38 @@ std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
   return rates;
 }
 
+namespace {
+
+RobotCsvOptions csv_options(const SaveOptions& options) {
+  RobotCsvOptions csv;
+  csv.precision = options.precision;
+  csv.delimiter = options.delimiter == Delimiter::kComma   ? ','
+                  : options.delimiter == Delimiter::kSpace ? ' '
+                                                           : '\t';
+  csv.header = options.header;
+  csv.quaternion_order = options.quaternion;
+  csv.frame_column = options.frame_column;
+  csv.degrees = options.degrees;
+  csv.centimetres = options.centimetres;
+  return csv;
+}
+
+}  // namespace
+
+std::vector<RobotCsvOptions> csv_layouts(const SaveOptions& options, const FrameRate& rate) {
+  const auto& formats = options.formats;
+  const auto writes = [&](MotionFormat format) {
+    return std::ranges::find(formats, format) != formats.end();
+  };
+  std::vector<RobotCsvOptions> layouts;
+  if (formats.empty() || writes(MotionFormat::kCsv)) layouts.push_back(csv_options(options));
+  if (writes(MotionFormat::kCsvSoma)) layouts.push_back(soma_csv_options(rate, options.precision));
+  return layouts;
+}
+
 WriteMotionOptions write_options(const std::string& output, const SaveOptions& options) {
   WriteMotionOptions write;
-  write.csv.precision = options.precision;
-  write.csv.delimiter = options.delimiter == Delimiter::kComma   ? ','
-                        : options.delimiter == Delimiter::kSpace ? ' '
-                                                                 : '\t';
-  write.csv.header = options.header;
-  write.csv.quaternion_order = options.quaternion;
-  write.csv.frame_column = options.frame_column;
-  write.csv.degrees = options.degrees;
-  write.csv.centimetres = options.centimetres;
+  write.csv = csv_options(options);
   write.tracking.rate = {options.npz_fps, 1};
   write.tracking.velocity_of = options.npz_velocity;
   write.name = options.motion_name;

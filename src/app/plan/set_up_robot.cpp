@@ -47,6 +47,37 @@ constexpr std::array<WeightFactor, 7> kTrackingFactors = {
      {"smoothness_root_rotation", &FitOptions::smoothness_root_rotation, 2.0},
      {"limb_smoothing_time", &FitOptions::limb_smoothing_time, 0.0}}};
 
+// Rejects contacts that would end as soon as they begin.
+Result<void> check_contact_bounds(const FitOptions& fit, const std::string& file) {
+  struct Bounds {
+    const char *begin, *end;
+    double begins, ends;
+  };
+  const std::array<Bounds, 2> both = {
+      {{"contact_speed", "contact_release_speed", fit.contact_speed, fit.contact_release_speed},
+       {"contact_height", "contact_release_height", fit.contact_height,
+        fit.contact_release_height}}};
+  for (const Bounds& of : both) {
+    if (of.ends >= of.begins) continue;
+    const std::string message = fmt::format("\"{}\" is {}, below \"{}\", which is {}", of.end,
+                                            of.ends, of.begin, of.begins);
+    const char* const hint = "a contact begins below the second value and ends above the first";
+    return file.empty() ? usage_failure(message, hint) : config_failure(file, message, hint);
+  }
+  return {};
+}
+
+// Rejects terms that are both enabled and disabled.
+Result<void> check_terms(const SolveOptions& solve) {
+  for (const std::string& name : solve.with) {
+    if (std::ranges::find(solve.without, name) == solve.without.end()) continue;
+    return usage_failure(
+        OPTION("with") " and " OPTION("without") " both name the term \"" + name + "\"",
+        "give only one of them");
+  }
+  return {};
+}
+
 // Whether a member of the fit's options was given, also with its default value.
 bool is_given(const SolveOptions& options, const char* name) {
   return std::ranges::find(options.fit_given, name) != options.fit_given.end();
@@ -58,9 +89,7 @@ namespace fs = std::filesystem;
 
 Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
   const SolveOptions& solve = options.solve;
-  // The limits hold for the written values; lower precision than this is not useful.
-  constexpr int kMinDecimals = 3;
-  fit.decimals = std::max(kMinDecimals, options.save.precision);
+  fit.decimals = options.save.precision;  // The limits hold for the written values.
   // In a scene, hands and feet would reach surfaces with jolts (docs/world.md).
   const bool has_scene = !solve.scene.empty() || !solve.terrain.empty();
   if (has_scene && !is_given(solve, "dynamics")) fit.dynamics = false;
@@ -70,6 +99,8 @@ Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
     TRY_ASSIGN(fit, parse_fit_options(file.view(), solve.fit_config, fit));
   }
   if (solve.fit_window_s > 0.0) fit.window = solve.fit_window_s;
+  TRY(check_contact_bounds(fit, solve.fit_config));
+  TRY(check_terms(solve));
   TRY(set_terms(fit, solve.with, true));
   TRY(set_terms(fit, solve.without, false));
   return fit;
@@ -91,6 +122,10 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   const SolveOptions& solve = options.solve;
   if (!options.save.contacts.empty() || !solve.contact_edits.empty()) {
     TRY(check_has_contacts(robot));
+  }
+  if (!options.save.scene_out.empty() && robot.fixed_base()) {
+    return usage_failure("the base of the robot is fixed, so the motion has no scene",
+                         "omit " OPTION("scene-out"));
   }
   RobotSetup setup;
   // The published method has its own, tighter limit set for some robots.

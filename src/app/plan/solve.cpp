@@ -4,9 +4,11 @@
 #include <iterator>
 #include <utility>
 
+#include "app/plan/motion_target.h"
 #include "app/plan/scale_time.h"
 #include "app/plan/surroundings.h"
 #include "base/faults.h"
+#include "base/math/step_bounds.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "motion/resample.h"
@@ -54,6 +56,17 @@ SolveFramesOptions pass_options(const Plan& plan, const SolveControl& control, i
   return options;
 }
 
+// Units in which the files of a motion print joint positions; SI units if none prints them.
+std::vector<PrintedUnits> printed_units(const Plan& plan) {
+  std::vector<PrintedUnits> units;
+  for (const RobotCsvOptions& csv : csv_layouts(plan.options.save, plan.rate)) {
+    units.push_back({csv.degrees ? PrintedUnits::kDegrees : 1.0,
+                     csv.centimetres ? PrintedUnits::kCentimetres : 1.0});
+  }
+  if (units.empty()) units.emplace_back();
+  return units;
+}
+
 // Motion of the robot's fingers, which the body's solvers do not move.
 HandTrack hand_track(const Plan& plan, const Clip& source) {
   const SolveOptions& solve = plan.options.solve;
@@ -64,8 +77,10 @@ HandTrack hand_track(const Plan& plan, const Clip& source) {
   const SourceHands followed =
       followed_hands(source, plan.human.map, hands, rule, {0, source.frame_count()});
   const FitOptions& fit = plan.fit;
-  return {source, followed,    robot,
-          hands,  plan.limits, {fit.max_joint_speed, fit.max_joint_step, fit.decimals}};
+  return {
+      source,      followed,
+      robot,       hands,
+      plan.limits, {fit.max_joint_speed, fit.max_joint_step, fit.decimals, printed_units(plan)}};
 }
 
 void write_hands(const HandTrack& hands, Motion& motion) {
@@ -93,6 +108,7 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   run.contact_edits = plan.contact_edits;
   run.object_motion = plan.options.solve.object_motion;
   run.limit_speeds = limit_speeds;
+  run.printed = printed_units(plan);
   run.costs = control.fit_costs;
   const HandTrack hands = hand_track(plan, *motion.source);
   if (!hands.empty() && motion.source->frame_count() > 0) {

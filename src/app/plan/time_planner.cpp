@@ -104,8 +104,8 @@ void TimePlanner::find_stretches() {
     const double end = std::min(duration_, begin + scale_.knot_time);
     const double pace =
         std::max({warp_.pace(begin), warp_.pace(0.5 * (begin + end)), warp_.pace(end)});
-    add_left(i, begin, end);
     if (pace <= 1.0 + kPaceStep) {
+      add_left(i, begin, end);
       inside = false;
       continue;
     }

@@ -39,6 +39,8 @@ Result<void> add_source(const MeasureRequest& request, Run run, LoadedRobot robo
   RunRequest of_source = request.of_source;
   choose_part(request.motions, run, of_source, observer);
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
+  // Joints that do not follow the human have no range.
+  measures.limits = setup.limits;
   TRY_ASSIGN(Plan plan, read_and_plan(run, of_source, setup, observer));
   TRY(choose_time_scale(request.motions, plan, observer));
   plan.config = measured_config(plan, setup);

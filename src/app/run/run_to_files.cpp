@@ -93,16 +93,33 @@ void add_failures_of(const Motion& other, Motion& first) {
   }
 }
 
+// The formats of the files that are made from the motion at one of the rates.
+std::vector<MotionFormat> formats_at(std::size_t rate, std::span<const FrameRate> rates,
+                                     std::span<const OutputItem> items,
+                                     const SaveOptions& options) {
+  std::vector<MotionFormat> formats;
+  for (const OutputItem& item : items) {
+    const FrameRate wanted = rate_of_format(item.format, options, rates.front());
+    const auto found =
+        std::ranges::find_if(rates, [&](const FrameRate& each) { return same_rate(each, wanted); });
+    const auto index = found == rates.end() ? 0 : found - rates.begin();
+    if (static_cast<std::size_t>(index) == rate) formats.push_back(item.format);
+  }
+  return formats;
+}
+
 // Solves the motion at the plan's own rate, then at the rates of other formats.
 Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Run& run, const RunRequest& request,
                                             MotionOutputs& outputs, Observer& observer) {
   const Options& options = run.options;
   const auto rates = solved_rates(options.save, options.solve.method, plan.rate);
+  TRY_ASSIGN(const auto items, plan_outputs(run.output, options.save));
   std::vector<SolvedMotion> solved;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const bool is_last = i + 1 == rates.size();
     Plan one = is_last ? std::exchange(plan, {}) : plan;
     one.rate = rates[i];
+    one.options.save.formats = formats_at(i, rates, items, options.save);
     TRY_ASSIGN(Motion motion,
                solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));
     if (observer.is_stopped()) return interrupted_failure();

@@ -55,7 +55,7 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
   return changed;
 }
 
-// Reconstructs the sidecar's run with only the output that the sidecar describes.
+// Reconstructs the sidecar's run.
 Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::string& file) {
   Run run = sidecar.run;
   if (run.motion == "-") {
@@ -89,8 +89,15 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
     return input_failure(file, "unknown format in the sidecar: \"" + sidecar.format + "\"",
                          "it may come from a newer version of this tool");
   }
-  run.options.save.formats = {*format};
+  // All formats, because the motion depends on how their files print numbers.
+  std::vector<MotionFormat>& formats = run.options.save.formats;
+  if (std::ranges::find(formats, *format) == formats.end()) formats = {*format};
   run.output = sidecar.output;
+  const std::string_view ending = format_long_ending(*format);
+  if (formats.size() > 1 && run.output.ends_with(ending)) {
+    run.output.erase(run.output.size() - ending.size());
+    run.output += format_long_ending(MotionFormat::kCsv);
+  }
   return run;
 }
 
@@ -122,6 +129,7 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
   RunRequest request;
   request.hashes_only = true;
+  request.partial = true;
   request.sidecar = true;
   request.dynamics = sidecar.has_dynamics;
   request.mirror = sidecar.mirror;
@@ -138,7 +146,12 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
   if (there != sidecar.hash) {
     return run_failure(output.string(), "the file has changed since the sidecar was written");
   }
-  const WrittenFile& repeated = outcome->motions.front();
+  const auto file_of_sidecar =
+      std::ranges::find_if(outcome->motions, [&](const WrittenFile& written) {
+        return format_name(written.item.format) == sidecar.format;
+      });
+  if (file_of_sidecar == outcome->motions.end()) return failure(outcome->left_out.front());
+  const WrittenFile& repeated = *file_of_sidecar;
   const std::string hint = changed.empty()
                                ? "all recorded inputs match; a different machine or build?"
                                : list_names(changed);

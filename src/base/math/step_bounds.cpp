@@ -35,17 +35,29 @@ double bound_steps(std::span<double> values, double lower, double upper, double 
   return max;
 }
 
-StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals) {
+StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals, double per_unit) {
   constexpr double kRounding = 1e-12;
-  double grid = 1.0;
-  for (int i = 0; i < decimals; ++i) grid *= 0.1;
-  const double per_unit = std::round(1.0 / grid);
-  StepBounds inside{std::ceil(bounds.lower * per_unit) / per_unit,
-                    std::floor(bounds.upper * per_unit) / per_unit,
+  double digit = 1.0;
+  for (int i = 0; i < decimals; ++i) digit *= 0.1;
+  const double grid = digit / per_unit, per_bound = std::round(1.0 / digit) * per_unit;
+  StepBounds inside{std::ceil(bounds.lower * per_bound) / per_bound,
+                    std::floor(bounds.upper * per_bound) / per_bound,
                     std::max(bounds.step - grid - kRounding, 0.5 * bounds.step)};
   if (inside.lower > inside.upper)
     inside.lower = inside.upper = 0.5 * (bounds.lower + bounds.upper);
   return inside;
+}
+
+StepBounds bounds_for_printing(StepBounds bounds, int decimals, bool slides,
+                               std::span<const PrintedUnits> units) {
+  constexpr double kCoarsest = 2e-3;
+  for (const PrintedUnits& unit : units) {
+    const double per_unit = slides ? unit.per_metre : unit.per_radian;
+    int digits = 0;
+    for (double grid = 1.0 / per_unit; digits < decimals || grid > kCoarsest; ++digits) grid *= 0.1;
+    bounds = bounds_for_rounding(bounds, digits, per_unit);
+  }
+  return bounds;
 }
 
 }  // namespace retarget

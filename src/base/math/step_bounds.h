@@ -23,6 +23,24 @@ struct StepBounds {
 /// Tightens bounds so that values still satisfy the original bounds after rounding to `decimals`
 /// digits. A range that contains no such value becomes its midpoint. A step shorter than two units
 /// of the last digit is halved.
-[[nodiscard]] StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals);
+/// @param per_unit  the numbers are rounded in a unit of which so many are one of the bounds', such
+///                  as 57.3 degrees in a radian.
+[[nodiscard]] StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals,
+                                             double per_unit = 1.0);
+
+/// Units of printed joint positions.
+struct PrintedUnits {
+  static constexpr double kDegrees = 57.29577951308232087680;  ///< Per radian.
+  static constexpr double kCentimetres = 100.0;                ///< Per metre.
+
+  double per_radian = 1.0;
+  double per_metre = 1.0;
+};
+
+/// Applies bounds_for_rounding for each of the units. A unit with too few decimals gets as many as
+/// resolve 2 mm or 2 mrad.
+/// @param slides  whether the values are lengths rather than angles.
+[[nodiscard]] StepBounds bounds_for_printing(StepBounds bounds, int decimals, bool slides,
+                                             std::span<const PrintedUnits> units);
 
 }  // namespace retarget

@@ -44,7 +44,8 @@ constexpr FormatFamily kShown = {kinds_of({FileKind::kGltf}), ".glb", "", nullpt
 constexpr std::string_view kArrayFile = "`.npz`, `.npy`, `.pkl`, joblib, `.pt`";
 
 constexpr std::string_view kCsvOptions =
-    "csv-delimiter csv-header csv-quat csv-frame-column csv-degrees csv-centimetres";
+    "precision csv-delimiter csv-header csv-quat csv-frame-column csv-degrees csv-centimetres";
+constexpr std::string_view kPrinted = "precision";
 constexpr std::string_view kTrackingOptions = "npz-fps npz-velocity";
 constexpr std::string_view kNamed = "motion-name";
 constexpr std::string_view kSonicOptions = "npz-fps npz-velocity motion-name";
@@ -64,7 +65,7 @@ constexpr Format kFormats[] = {
      MotionFormat::kCsv, ".csv", false, write_csv, nullptr, kCsvOptions},
     {"csv-soma", kCsv, "text with a header; centimetres, degrees, Euler angles",
      "programs for SOMA's and BONES-SEED's files", "", "", MotionFormat::kCsvSoma, ".soma.csv",
-     false, write_csv, soma_csv_losses},
+     false, write_csv, soma_csv_losses, kPrinted},
     {"npz-mjlab", kNpz, "arrays in MuJoCo's order", "mjlab's tracking task", "", "joint_pos",
      MotionFormat::kNpzMjlab, ".mjlab.npz", true, write_tracking_npz, nullptr, kTrackingOptions},
     {"npz-beyondmimic", kNpz, "arrays in Isaac Lab's order", "BeyondMimic (whole_body_tracking)",

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math/step_bounds.h"
 #include "base/option_name.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "retarget/clip.h"
@@ -28,8 +29,9 @@ constexpr std::size_t kMaxNumberLength = 340;
 
 constexpr int kMaxDigits = 17;
 
-constexpr double kDegreesPerRadian = 57.29577951308232087680;
-constexpr double kCentimetresPerMetre = 100.0;
+constexpr double kDegreesPerRadian = PrintedUnits::kDegrees;
+constexpr double kDegree = 0.01745329251994329577;  // Radians, as in the reader.
+constexpr double kCentimetresPerMetre = PrintedUnits::kCentimetres;
 constexpr std::int64_t kSomaFramesASecond = 120;
 // A quaternion shorter than this has no direction.
 constexpr double kNoLength = 1e-6;
@@ -169,16 +171,55 @@ std::string format_robot_csv(const RobotClip& clip, const RobotCsvOptions& optio
   return text;
 }
 
-Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
-  const Robot& robot = clip.robot();
-  std::string text;
-  const auto printed = [&](double value) {
-    text.clear();
-    append_number(text, value, std::clamp(precision, 0, kMaxDigits));
-    double read = 0.0;
-    std::from_chars(text.data(), text.data() + text.size(), read);
-    return read;
+namespace {
+
+// Reads numbers back that a CSV prints, with the arithmetic of the reader.
+class PrintedNumbers {
+ public:
+  explicit PrintedNumbers(const RobotCsvOptions& options)
+      : precision_(std::clamp(options.precision, 0, kMaxDigits)),
+        length_(options.centimetres ? Unit{kCentimetresPerMetre, 0.01} : Unit{}),
+        angle_(options.degrees ? Unit{kDegreesPerRadian, kDegree} : Unit{}) {}
+
+  [[nodiscard]] double length(double metres) { return read_back(metres, length_); }
+  [[nodiscard]] double angle(double radians) { return read_back(radians, angle_); }
+
+  [[nodiscard]] Eigen::Quaterniond quaternion(std::span<const double> qpos) {
+    return {read_back(qpos[3], {}), read_back(qpos[4], {}), read_back(qpos[5], {}),
+            read_back(qpos[6], {})};
+  }
+  [[nodiscard]] Eigen::Quaterniond euler_angles(std::span<const double> qpos) {
+    const auto [a, b, c] = fixed_axis_angles(qpos[3], qpos[4], qpos[5], qpos[6]);
+    return exp_so3(angle(c) * Eigen::Vector3d::UnitZ()) *
+           exp_so3(angle(b) * Eigen::Vector3d::UnitY()) *
+           exp_so3(angle(a) * Eigen::Vector3d::UnitX());
+  }
+
+ private:
+  // A unit of the file, and its inverse.
+  struct Unit {
+    double per_si = 1.0;
+    double in_si = 1.0;
   };
+
+  double read_back(double value, const Unit& unit) {
+    text_.clear();
+    append_number(text_, unit.per_si * value, precision_);
+    double read = 0.0;
+    std::from_chars(text_.data(), text_.data() + text_.size(), read);
+    return unit.in_si * read;
+  }
+
+  int precision_;
+  Unit length_, angle_;
+  std::string text_;
+};
+
+}  // namespace
+
+Result<RobotClip> printed_clip(const RobotClip& clip, const RobotCsvOptions& options) {
+  const Robot& robot = clip.robot();
+  PrintedNumbers printed(options);
   RobotClip result(clip.shared_robot(), clip.rate(), clip.frame_count());
   const std::vector<double> zero = robot.zero_configuration();
   Eigen::Quaterniond before = Eigen::Quaterniond::Identity();
@@ -186,12 +227,13 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
     const auto from = clip.qpos(frame);
     const auto to = result.qpos(frame);
     std::ranges::copy(zero, to.begin());
-    for (std::size_t i = 0; i < 3; ++i) to[i] = printed(from[i]);
-    Eigen::Quaterniond turn(printed(from[3]), printed(from[4]), printed(from[5]), printed(from[6]));
+    for (std::size_t i = 0; i < 3; ++i) to[i] = printed.length(from[i]);
+    Eigen::Quaterniond turn = options.euler ? printed.euler_angles(from) : printed.quaternion(from);
     if (turn.norm() < kNoLength) {
       return run_failure("",
                          "the root quaternion in frame " + std::to_string(frame) +
-                             " rounds to zero with " + std::to_string(precision) + " digits",
+                             " rounds to zero with " + std::to_string(options.precision) +
+                             " digits",
                          "print more digits: " OPTION("precision"));
     }
     turn.normalize();
@@ -199,9 +241,11 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
     before = turn;
     to[3] = turn.w();
     for (int i = 0; i < 3; ++i) to[4 + i] = turn.vec()[i];
-    for (const int joint : robot.output_joints()) {
-      const int address = robot.joints()[joint].qpos_address;
-      to[address] = printed(from[address]);
+    for (const int index : robot.output_joints()) {
+      const RobotJoint& joint = robot.joints()[index];
+      const bool slides = joint.type == RobotJoint::Type::kSlide;
+      const double position = from[joint.qpos_address];
+      to[joint.qpos_address] = slides ? printed.length(position) : printed.angle(position);
     }
   }
   return result;

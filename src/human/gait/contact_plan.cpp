@@ -155,7 +155,7 @@ class BodyContactFinder {
     for (int begin = 0; begin < frames;) {
       int end = begin;
       while (end < frames && touches(end, end > begin)) ++end;
-      if ((end - begin) * source_.frame_time >= options_.shortest - 1e-9) {
+      if (end > begin && (end - begin) * source_.frame_time >= options_.shortest - 1e-9) {
         phases.push_back({begin, end, 0.0});
       }
       begin = std::max(end, begin + 1);

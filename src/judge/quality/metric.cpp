@@ -122,9 +122,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "in flight.",
      kOwn},
     {"missing_surface_pct", "%",
-     "Frames in which only surfaces above the floor carry the source (its soles stand on them, and "
-     "no other part is in contact) and the robot touches no body of the scene: it stands on "
-     "nothing.",
+     "Frames in which only surfaces above the floor carry the source, through its soles alone, and "
+     "the robot touches no body of the scene: it stands on nothing.",
      kContacts},
     {"lying_pct", "%",
      "Frames in which the source lies or crawls: its trunk leans by more than 60 degrees, and its "

@@ -17,7 +17,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kDeepCrossing = 0.01;  // Depth of an overlap that counts, metres.
+constexpr double kDeepCrossing = 0.01;  // Depth from which an overlap is removed, metres.
 constexpr double kMayCross =
     0.04;                       // Distance up to which shapes may cross in the next step, metres.
 constexpr double kApart = 1.0;  // Seconds; crossings less apart are solved together.

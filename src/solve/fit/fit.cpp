@@ -375,7 +375,8 @@ void Fit::keep_bounds(FitReport& report) {
       step = std::min({step, options_.max_joint_speed * clip_.frame_time, options_.max_joint_step});
     }
     const StepBounds bounds =
-        bounds_for_rounding({model_.lower[dof], model_.upper[dof], step}, options_.decimals);
+        bounds_for_printing({model_.lower[dof], model_.upper[dof], step}, options_.decimals,
+                            model_.tree.links()[link].slides, run_.printed);
     if (bound_steps(now, bounds.lower, bounds.upper, bounds.step) == 0.0) continue;
     FitBoundReport bound{robot_->joints()[at(model_.tree.links()[link].joint)].name, 0, 0, 0.0};
     for (int t = 0; t < clip_.frame_count; ++t) {

@@ -5,7 +5,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "base/math/step_bounds.h"
 #include "human/gait/contact_plan.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
@@ -55,6 +57,8 @@ struct FitRun {
   /// FitOptions::max_joint_step. If false, the result shows the speeds that the human's motion
   /// requires.
   bool limit_speeds = true;
+  /// Units in which files print the joint positions, each with FitOptions::decimals.
+  std::vector<PrintedUnits> printed = {{}};
   /// User edits that are applied to the contacts detected in the source.
   std::span<const ContactEdit> contact_edits = {};
 };
@@ -68,10 +72,11 @@ struct FitRun {
 ///    accelerations, slip of planted feet, floor penetration and self-collision.
 /// 3. Projects the joint positions onto the position and speed limits.
 ///
-/// After rounding to FitOptions::decimals digits, all values are finite, quaternions have unit
-/// length and continuous signs, all joints are inside `limits`, and no joint exceeds its speed
-/// limit, FitOptions::max_joint_speed or FitOptions::max_joint_step. The report lists the joints
-/// that step 3 changed. Without soles or collision shapes, the robot's fit omits their terms.
+/// After rounding to FitOptions::decimals digits in each of FitRun::printed, all values are finite,
+/// quaternions have unit length and continuous signs, all joints are inside `limits`, and no joint
+/// exceeds its speed limit, FitOptions::max_joint_speed or FitOptions::max_joint_step. The report
+/// lists the joints that step 3 changed. Without soles or collision shapes, the robot's fit omits
+/// their terms.
 ///
 /// Errors: those of solve_frames(); ErrorKind::kInput if the targets are too large or not finite;
 /// ErrorKind::kConfig if the first stage yields non-finite values; ErrorKind::kInterrupted if

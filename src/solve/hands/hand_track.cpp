@@ -28,8 +28,9 @@ VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitS
     double step = robot.speed_limit(joint.joint) * frame_time;
     if (!joint.slides) step = std::min({step, bounds.max_speed * frame_time, bounds.max_step});
     if (joint.ratio == 0.0) continue;
-    const StepBounds rounded = bounds_for_rounding(
-        {limits.lower[joint.joint], limits.upper[joint.joint], step}, bounds.decimals);
+    const StepBounds rounded =
+        bounds_for_printing({limits.lower[joint.joint], limits.upper[joint.joint], step},
+                            bounds.decimals, joint.slides, bounds.printed);
     double first = (rounded.lower - joint.offset) / joint.ratio;
     double last = (rounded.upper - joint.offset) / joint.ratio;
     if (first > last) std::swap(first, last);

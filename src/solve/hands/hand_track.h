@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "base/math/step_bounds.h"
 #include "human/skeleton/source_hands.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
@@ -29,6 +30,7 @@ struct HandBounds {
   double max_speed = 14.4;  ///< Speed limit of hinges, rad/s, in addition to their own limits.
   double max_step = 0.48;   ///< Step limit of hinges between two frames, rad.
   int decimals = 6;         ///< Digits of the rounded output.
+  std::vector<PrintedUnits> printed = {{}};  ///< Units in which it is rounded.
 };
 
 /// Joint positions of a robot's hands, by frame.
