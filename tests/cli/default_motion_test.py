@@ -35,6 +35,16 @@ class Heading(DefaultMotion):
                 self.assertLess(difference, 1e-3, clip)
 
 
+class FrameRates(DefaultMotion):
+    def test_a_walk_is_as_calm_and_its_feet_as_still_at_high_rates(self):
+        at_30 = self.report_of_run(sample("walk"))["stance_slip_mean"]
+        for fps in ("50", "60", "100", "120"):
+            with self.subTest(fps):
+                report = self.report_of_run(sample("walk"), "unitree_g1", "--fps", fps)
+                self.assertLess(report["com_acc_p99"], 20)
+                self.assertLess(report["stance_slip_mean"], 1.2 * at_30)
+
+
 class StandingStraight(DefaultMotion):
     def test_a_human_who_stands_straight_results_in_a_robot_that_stands_straight(self):
         # The person turns in place, upright within two degrees of the skeleton's T-pose.

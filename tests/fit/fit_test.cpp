@@ -361,6 +361,33 @@ TEST_F(FitTest, IsIndependentOfTheFrameRate) {
   EXPECT_LT(sum / (36.0 * at_30.frame_count()), 0.01);
 }
 
+// Their largest acceleration does not grow with the rate as if they started within a frame.
+TEST_F(FitTest, FeetLeaveTheFloorGentlyAtEveryRate) {
+  const Clip clip = cut(sample("walk.bvh"), 60, 160);
+  const Sole& sole = robot_->profile().soles.front();
+  const auto walk = [&](double fps) {
+    const auto at_rate = resample(clip, frame_rate_from_fps(fps), {});
+    EXPECT_TRUE(at_rate.has_value());
+    const RobotClip motion = fitted(*at_rate).clip;
+    std::vector<Pose> bodies(robot_->bodies().size());
+    std::vector<Eigen::Vector3d> steps;
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();
+    for (int t = 0; t < motion.frame_count(); ++t) {
+      forward_kinematics(*robot_, motion.qpos(t), bodies);
+      const Eigen::Vector3d now = bodies[static_cast<std::size_t>(sole.body)].translation;
+      if (t > 0) steps.emplace_back(fps * (now - before));
+      before = now;
+    }
+    double most = 0.0;
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      most = std::max(most, fps * (steps[i] - steps[i - 1]).norm());
+    }
+    return most;
+  };
+  const double at_30 = walk(30.0);
+  for (const double fps : {60.0, 100.0, 120.0}) EXPECT_LT(walk(fps), 3.0 * at_30) << fps;
+}
+
 TEST_F(FitTest, HandlesRobotWithoutSolesAndShapes) {
   const auto bare = load_robot_files(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
   ASSERT_TRUE(bare.has_value());

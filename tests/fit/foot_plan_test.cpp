@@ -328,6 +328,60 @@ TEST(FootPlan, HoldsOfAKneeFadeOutsideItsContactAlongTheSource) {
   EXPECT_EQ(plan.supports_of(63)[0].phase, -1);
 }
 
+// Stands for a second, then moves at 1 m/s along x.
+SourceFeet leaving_feet(double fps) {
+  return make_feet(1.5, fps, [](double t) { return FootPlace{std::max(0.0, t - 1.0), 0.0}; });
+}
+
+TEST(FootPlan, HoldsOfFeetFadeWithinAThirtiethOfASecond) {
+  constexpr double kScale = 0.5;
+  for (const double fps : {60.0, 120.0}) {
+    const SourceFeet feet = leaving_feet(fps);
+    FootPlan plan = plan_of(feet, kScale);
+    const int last = plan.phases[0].last() - 1, after = static_cast<int>(fps / 30.0) - 1;
+    ease_contacts(feet, std::array{0}, kScale, plan);
+    EXPECT_EQ(plan.phases[0].last(), last + 1) << fps;
+    EXPECT_EQ(plan.phases[0].end, last + 1 + after) << fps;
+    double hold = plan.ends_of(last)[0].hold;
+    EXPECT_NEAR(hold, std::sqrt(fps / 30.0), 1e-12);
+    for (int away = 1; away <= after; ++away) {
+      const FootEndGoal& goal = plan.ends_of(last + away)[0];
+      EXPECT_EQ(goal.phase, -1);
+      EXPECT_EQ(goal.near_phase, 0);
+      EXPECT_LT(goal.hold, hold);
+      const Eigen::Vector3d moved = feet.at(last + away, 0).ankle - feet.at(last, 0).ankle;
+      EXPECT_NEAR(goal.slide.x(), kScale * moved.x(), 1e-12);
+      hold = goal.hold;
+    }
+    EXPECT_LT(hold, 0.11) << fps;
+    EXPECT_EQ(plan.ends_of(last + after + 1)[0].near_phase, -1) << fps;
+    EXPECT_FALSE(plan.plants(last + 1)) << fps;
+  }
+}
+
+TEST(FootPlan, HoldsOfFeetDoNotFadeAtThirtyFramesPerSecond) {
+  for (const double fps : {24.0, 30.0, 30.0003}) {
+    const SourceFeet feet = leaving_feet(fps);
+    FootPlan plan = plan_of(feet);
+    ease_contacts(feet, std::array{0}, 1.0, plan);
+    EXPECT_EQ(plan.phases[0].before + plan.phases[0].after, 0) << fps;
+    for (const FootEndGoal& goal : plan.ends) {
+      EXPECT_EQ(goal.near_phase, -1) << fps;
+      EXPECT_EQ(goal.hold, 1.0) << fps;
+    }
+  }
+}
+
+TEST(FootPlan, FeetBesideARestingKneeKeepTheirWeight) {
+  SourceFeet feet = feet_with_knee(0.03);
+  FootPlan plan = plan_of_knee(feet, 0.5);
+  feet.frame_time = 1.0 / 120.0;
+  ease_contacts(feet, std::array{0}, 0.5, plan);
+  for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    EXPECT_EQ(plan.ends_of(frame)[0].hold, 1.0) << frame;
+  }
+}
+
 TEST(FootPlan, SlidingKneeSlidesAsFarAsItsSource) {
   const FootPlan plan = plan_of_knee(feet_with_knee(0.4), 0.5);
   EXPECT_NEAR(plan.supports_of(59)[0].slide.x(), 0.5 * (0.4 - kRestingRadius), 1e-12);

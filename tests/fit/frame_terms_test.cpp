@@ -37,17 +37,16 @@ class FrameTermsTest : public FitModelTest {
       targets_.push_back({world * task.position + noise(), world.rotation * exp_so3(noise())});
     }
     ends_.assign(4, FootEndGoal{});
-    anchors_.assign(2, Eigen::Vector2d::Zero());
+    anchors_.clear();
     ends_[0] = {0.0, 1.0, 0, true, 0.1};
     ends_[1] = {0.0, 1.0, 1, false, 0.0};
     ends_[2] = {0.05, 0.7, -1, false, 0.0};
-    ends_[3] = {0.02, 2.0, -1, false, 0.0};
-    for (const std::size_t end : {0, 1}) {
-      const FitFoot& foot = model_.feet[0];
-      anchors_[end] =
-          (pose.world_from_link[static_cast<std::size_t>(foot.link)] * foot.ends[end].middle)
-              .head<2>() +
-          noise().head<2>();
+    ends_[3] = {0.02, 2.0, -1, false, 0.0, 2, 0.1, {0.03, -0.02}};
+    for (const std::size_t end : {0, 1, 3}) {
+      const FitFoot& foot = model_.feet[end / 2];
+      const Vector3d middle =
+          pose.world_from_link[static_cast<std::size_t>(foot.link)] * foot.ends[end % 2].middle;
+      anchors_.emplace_back(middle.head<2>() - ends_[end].slide + noise().head<2>());
     }
     upright_ = {0.6, 0.3};
     // Knees, elbows, hands and seat at their contact positions, some only nearly.

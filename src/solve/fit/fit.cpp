@@ -472,6 +472,7 @@ Result<FitResult> Fit::run() {
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
     plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
     plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
+    ease_contacts(feet_, source_feet, scale, clip_.feet);
     if (run_.scene == nullptr) note_raised_feet(clip_, report);
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;

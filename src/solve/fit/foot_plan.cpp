@@ -120,6 +120,14 @@ class SupportPlanner {
   double floor_, size_, scale_;
 };
 
+// Whether a knee, elbow, hand, the seat or the back is held during this phase.
+bool has_other_support(const FootPlan& plan, const PlantedPhase& phase) {
+  const auto count = at(plan.support_count);
+  const auto goals = std::span(plan.supports)
+                         .subspan(at(phase.begin) * count, at(phase.end - phase.begin) * count);
+  return std::ranges::any_of(goals, [](const SupportGoal& goal) { return goal.phase >= 0; });
+}
+
 }  // namespace
 
 std::span<const FootEndGoal> FootPlan::ends_of(int frame) const {
@@ -252,6 +260,50 @@ void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
     for (const ContactPhase& phase : contacts.bodies[supports[i].support]) {
       planner.add(phase, i, supports[i].support, frames, plan);
     }
+  }
+}
+
+// A foot that is held in one frame and free in the next changes its speed within a frame, so that
+// its acceleration and the force on the anchor grow with the frame rate. The hold therefore fades
+// within 1/30 s, the frame time for which the weights are tuned. The anchor moves with the source
+// there, so that the foot does not lag. The force that remains grows with the rate, and so does the
+// squared weight in the contact. Where other parts rest on the floor, it stays: while a body gets
+// up, stiffer feet would push them into the floor.
+void ease_contacts(const SourceFeet& source, std::span<const int> source_feet, double scale,
+                   FootPlan& plan) {
+  constexpr double kFadeTime = 1.0 / 30.0;  // Seconds.
+  constexpr double kFading = 4.6;           // Leaves a hundredth of the hold after kFadeTime.
+  constexpr double kSameRate = 1e-3;        // 30.003 frames per second count as 30.
+  const double frames_per_fade = kFadeTime / source.frame_time;
+  const int fade = static_cast<int>(std::ceil(frames_per_fade - kSameRate)) - 1;
+  if (fade < 1) return;
+  for (std::size_t i = 0; i < plan.phases.size(); ++i) {
+    PlantedPhase& phase = plan.phases[i];
+    if (phase.support >= 0) continue;
+    const int first = phase.begin, last = phase.end, side = source_feet[at(phase.foot)];
+    const double hold = has_other_support(plan, phase) ? 1.0 : std::sqrt(frames_per_fade);
+    const auto goal_of = [&](int frame) -> FootEndGoal& {
+      return plan.ends[at(2 * (frame * plan.foot_count + phase.foot) + phase.foot_end)];
+    };
+    const auto ease = [&](int frame, int contact) {
+      FootEndGoal& goal = goal_of(frame);
+      // exp(-kFading * time / kFadeTime) up to 1 %, but with the same bits on every machine.
+      const double part = kFading / 16.0 * std::abs(frame - contact) / frames_per_fade;
+      const double share = square(square(square((1.0 - part) / (1.0 + part))));
+      if (goal.phase >= 0 || (goal.near_phase >= 0 && goal.hold >= share)) return;
+      goal.near_phase = static_cast<int>(i);
+      goal.hold = share;
+      goal.slide = scale * (source.at(frame, side).end(phase.foot_end) -
+                            source.at(contact, side).end(phase.foot_end))
+                               .head<2>();
+    };
+    phase.begin = std::max(0, first - fade);
+    phase.end = std::min(source.frame_count(), last + fade);
+    phase.before = first - phase.begin;
+    phase.after = phase.end - last;
+    for (int frame = first; frame < last; ++frame) goal_of(frame).hold = hold;
+    for (int frame = phase.begin; frame < first; ++frame) ease(frame, first);
+    for (int frame = last; frame < phase.end; ++frame) ease(frame, last - 1);
   }
 }
 

@@ -95,4 +95,10 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
 void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
                    std::span<const SupportBody> supports, int frames, double scale, FootPlan& plan);
 
+/// Adapts the holds of foot ends to frames shorter than 1/30 s; see docs/fit.md. Call it after
+/// plan_supports().
+/// @param source_feet, scale  as in plan_feet().
+void ease_contacts(const SourceFeet& source, std::span<const int> source_feet, double scale,
+                   FootPlan& plan);
+
 }  // namespace retarget

@@ -126,10 +126,11 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   const Vector3d middle = place(end.middle), tip = place(end.tip);
   // A rolling foot stands on its tip, beyond the corners.
   const Vector3d& low = tip.z() < middle.z() ? tip : middle;
-  const bool pinned = options_.contact && goal.phase >= 0, level = pinned && goal.level;
-  if (pinned) {
-    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
-    const double weight = square(goals.anchor_hold * options_.contact_weight);
+  const bool level = options_.contact && goal.phase >= 0 && goal.level;
+  const int held_by = goal.phase >= 0 ? goal.phase : goal.near_phase;
+  if (options_.contact && held_by >= 0) {
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(held_by)] - goal.slide;
+    const double weight = square(goals.anchor_hold * goal.hold * options_.contact_weight);
     for (int axis = 0; axis < 2; ++axis) {
       add_row(foot.link, axis, middle - origin, weight, error[axis]);
     }

@@ -46,6 +46,12 @@ struct FootEndGoal {
   int phase = -1;           ///< Index of the contact phase; -1 if not in contact.
   bool level = false;       ///< Whether the contact also prescribes the height.
   double support = 0.0;     ///< Height of the contact surface, metres; 0: the floor.
+  int near_phase = -1;      ///< Index of a contact phase that ends just before, or begins just
+                            ///< after, this frame; -1 in contact.
+  double hold = 1.0;        ///< Factor for the weight of the anchor of either phase.
+  /// Target position relative to the anchor of near_phase: the movement of the source. World x and
+  /// y, metres.
+  Eigen::Vector2d slide = Eigen::Vector2d::Zero();
 };
 
 /// The goal of a support body in a frame.
