@@ -49,6 +49,8 @@ struct StandingHeights {
   bool found = false;             ///< False: no foot stands long enough; the heights are estimates.
   double ankle_over_heel = 0.0;   ///< Height of the ankle above the heel for feet with known soles,
                                   ///< metres; else 0, and the ankle serves as the heel.
+  bool from_body = false;  ///< The estimates are those of feet on the floor below the body: a part
+                           ///< of it rests lower than its feet.
 
   /// Standing height of a foot end, kHeelEnd or kToeEnd.
   [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle - ankle_over_heel : toe; }

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import unittest
 
-from tool import SOURCE, ToolTest, read_rows
+from tool import SOURCE, ToolTest, read_rows, sample
 
 try:
     import numpy
@@ -52,6 +52,16 @@ class OddSources(ToolTest):
             self.assertTrue((steps <= self.speed / fps + SLACK).all())
             self.assertLessEqual(steps.max(), 0.48)
         return rows
+
+    def test_an_excerpt_that_lies_is_on_the_floor(self):
+        options = ("--frames", "0:15", "--report", "report.json")
+        result = self.retarget("--method", "fit", *options, bvh=sample("get_up"))
+        self.assert_done(result)
+        self.assertIn("the floor is where the lowest part of the body rests",
+                      " ".join(result.stderr.split()))
+        report = json.loads((self.folder / "report.json").read_text())["motions"][0]
+        self.assertEqual(report["body_pen_1cm_pct"], 0.0)
+        self.assertLess(abs(report["fit"]["floor_height_m"]), 0.03)
 
     def test_actions(self):
         for name in ("jump", "crawl", "cartwheel", "sit", "run"):

@@ -17,6 +17,7 @@
 #include "formats/bvh/euler_angles.h"
 #include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
+#include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
@@ -41,9 +42,11 @@ Clip sample_of(const std::string& name, bool with_t_pose) {
 }
 
 std::vector<std::string> repair(Clip& clip) {
+  const BoneMap map = lafan1_map(clip.skeleton(), "test");
   std::vector<std::string> messages;
-  for (const Warning& warning : repair_clip_units(clip, lafan1_map(clip.skeleton(), "test"))) {
-    messages.push_back(warning.message);
+  for (const Warning& warning : repair_clip_units(clip, map)) messages.push_back(warning.message);
+  if (const auto missing = find_missing_root(clip, map, Eigen::Vector3d::UnitY())) {
+    messages.push_back(missing->message);
   }
   return messages;
 }
@@ -153,6 +156,24 @@ TEST(ClipUnits, WarnsAboutMovingFeetUnderAStaticRoot) {
   EXPECT_THAT(repair(still), IsEmpty());
 }
 
+// A person in a headstand sways: the feet move, the hips hardly do.
+TEST(ClipUnits, IgnoresFeetThatDoNotCarryTheBody) {
+  const Clip wave = sample_of("wave", true);
+  const BoneMap map = lafan1_map(wave.skeleton(), "test");
+  const Eigen::Vector3d head = frame_pose(wave, 0)[map.joint(Bone::kHead)].translation;
+  Clip clip = wave;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const double sway = 0.15 * std::sin(0.8 * M_PI * clip.rate().frame_time() * frame);
+    const Eigen::Quaterniond turn = exp_so3({0.0, 0.0, sway}) * exp_so3({M_PI, 0.0, 0.0});
+    copy_frame(wave, 0, clip, frame);
+    clip.rotations(frame)[0] = turn * clip.rotations(frame)[0];
+    clip.translations(frame)[0] = turn * (clip.translations(frame)[0] - head);
+  }
+  EXPECT_THAT(repair(clip), IsEmpty());
+  // The feet of an upright body that moves like this do not stand.
+  EXPECT_TRUE(find_missing_root(clip, map, -Eigen::Vector3d::UnitY()));
+}
+
 // A degree of noise in all joints, and a frame in which the tracking was lost.
 TEST(ClipUnits, IgnoresNoiseOfStandingFeet) {
   Clip noisy = sample_of("wave", true);
@@ -188,6 +209,9 @@ TEST(ClipUnits, DoesNotChangeRecordings) {
     Clip clip = load_bvh((*shared_folder() / "data" / name).string()).value().clip;
     const BoneMap map = recognise_skeleton(clip, shipped_profiles()).value();
     EXPECT_THAT(repair_clip_units(clip, map), IsEmpty()) << name;
+    const Eigen::Vector3d up =
+        calibrate(clip, map, {}).value().human_from_source.row(2).transpose();
+    EXPECT_FALSE(find_missing_root(clip, map, up)) << name;
   }
 }
 

@@ -67,6 +67,31 @@ TEST(LiveFrames, EqualThoseOfThePublishedMethod) {
   }
 }
 
+// A stream starts with a headstand: the robot does not lie on the floor.
+TEST(LiveFrames, StartUpsideDown) {
+  const Plan plan = sample_plan("wave", Method::kFit);
+  HumanClip human = human_of(plan);
+  human.frame_count = 30;
+  human.world_from_bone.resize(30);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  for (HumanPose& pose : human.world_from_bone) {
+    const double head = pose[Bone::kHead].translation.z();
+    for (Pose& bone : pose) {
+      bone.translation = turn * bone.translation + Eigen::Vector3d(0.0, 0.0, head + 0.17);
+      bone.rotation = turn * bone.rotation;
+    }
+  }
+  const double fps = plan.rate.fps();
+  for (LiveOptions options : {with_lag(fps, 0.2), LiveOptions()}) {
+    options.fps = fps;
+    LiveSession session = session_of(plan, options);
+    const auto frames = streamed(session, human);
+    ASSERT_FALSE(frames.empty());
+    EXPECT_GT(frames.back()[2], 0.5);
+    EXPECT_LT(frames.back()[2], 0.8);
+  }
+}
+
 TEST(LiveFrames, AllocateNothing) {
   const Plan plan = sample_plan("walk", Method::kFit);
   LiveOptions options;

@@ -1,3 +1,4 @@
+#include <Eigen/Core>
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -149,9 +150,11 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
   // Properties in the file override those of its kind.
   if (clip.origin().metres_per_unit) map.facts.metres_per_unit = clip.origin().metres_per_unit;
-  const std::vector<Warning> unit_doubts = repair_clip_units(clip, map);
+  std::vector<Warning> unit_doubts = repair_clip_units(clip, map);
   const auto doubt = let_directions_win(clip, map);
   TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how));
+  const Eigen::Vector3d up = calibration.human_from_source.row(2).transpose();
+  if (auto missing = find_missing_root(clip, map, up)) unit_doubts.push_back(*std::move(missing));
   auto& doubts = calibration.doubts;
   if (const auto twisted = let_bends_win(clip, map, calibration)) doubts.push_back(*twisted);
   if (doubt) doubts.insert(doubts.begin(), *doubt);

@@ -74,7 +74,6 @@ constexpr double kAloft = 0.3;
 // Height in metres of the wrist of a hand that is pressed to the floor, and the speed in m/s up to
 // which it counts as in contact.
 constexpr double kPressed = 0.05, kCatchSpeed = 0.3;
-constexpr double kToeHeight = 0.02;  // Height of the toe joint of a standing foot, metres.
 // Indices into kSupportBones.
 constexpr std::size_t kLeftKnee = 0, kRightKnee = 1, kSeat = 6;
 

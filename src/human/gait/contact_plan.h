@@ -25,6 +25,8 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
 /// lower toe, and the ankle is above it by the median over slow, low feet or by a usual rise.
 /// Without toe joints: the ankle height is a low percentile of the lower ankle, and the toes are
 /// the usual rise below it.
+/// If another part of the body is lower than feet of these heights allow, as in a handstand, the
+/// feet stand on the floor on which that part rests.
 [[nodiscard]] StandingHeights find_standing_heights(const SourceFeet& source,
                                                     const ContactOptions& options = {});
 

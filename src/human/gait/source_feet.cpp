@@ -38,6 +38,15 @@ Eigen::Vector3d lower_end(const Pose& world_from_sole, const SoleEnd& end) {
   return place;
 }
 
+// Height of a shoulder, or of the lower of both ends of the skull.
+double upper_height(const HumanPose& pose, Bone bone, double scale) {
+  constexpr double kSkull = 0.1;  // From the joint of the head to the middle of the skull, metres.
+  const Pose& joint = pose[bone];
+  const double height = joint.translation.z();
+  if (bone != Bone::kHead) return height;
+  return std::min(height, (joint * Eigen::Vector3d(kSkull * scale, 0.0, 0.0)).z());
+}
+
 }  // namespace
 
 SourceFeet::SourceFeet(const HumanClipInfo& human)
@@ -54,6 +63,7 @@ SourceFeet::SourceFeet(const HumanClipInfo& human)
   for (std::size_t i = 0; i < kSupportBones.size(); ++i) {
     has_support[i] = human.has(kSupportBones[i]);
   }
+  for (std::size_t i = 0; i < kUpperBones.size(); ++i) has_upper[i] = human.has(kUpperBones[i]);
 }
 
 SourceFeet::SourceFeet(const HumanClip& human, int frames) : SourceFeet(human) {
@@ -84,6 +94,8 @@ void SourceFeet::add(const HumanPose& pose) {
     feet.back().down = -(ankle.rotation * Eigen::Vector3d::UnitX()).z();
   }
   for (const Bone bone : kSupportBones) supports.push_back(pose[bone].translation);
+  const double scale = legs.back() / kUsualSourceLeg;
+  for (const Bone bone : kUpperBones) uppers.push_back(upper_height(pose, bone, scale));
 }
 
 void SourceFeet::forget(int frames) {
@@ -95,6 +107,7 @@ void SourceFeet::forget(int frames) {
   drop(legs, 1);
   drop(hips, 1);
   drop(supports, kSupportBones.size());
+  drop(uppers, kUpperBones.size());
 }
 
 void SourceFeet::reserve(int frames) {
@@ -103,6 +116,7 @@ void SourceFeet::reserve(int frames) {
   legs.reserve(count);
   hips.reserve(count);
   supports.reserve(count * kSupportBones.size());
+  uppers.reserve(count * kUpperBones.size());
 }
 
 double SourceFeet::ankle_over_heel() const {

@@ -33,6 +33,10 @@ struct SourceFoot {
   }
 };
 
+/// Joints of parts that may be the lowest of a body that lies or is upside down, besides
+/// kSupportBones: shoulders and head.
+inline constexpr std::array kUpperBones = {Bone::kLeftArm, Bone::kRightArm, Bone::kHead};
+
 /// Feet, legs, hips and other supporting parts of the source over a clip.
 struct SourceFeet {
   double frame_time = 1.0 / 30.0;
@@ -44,6 +48,10 @@ struct SourceFeet {
   /// Positions of kSupportBones, frame-major; world, metres. Empty: unknown.
   std::vector<Eigen::Vector3d> supports;
   std::array<bool, kSupportBones.size()> has_support{};
+  /// Heights of kUpperBones, frame-major; world, metres. That of the head is the height of the lower
+  /// end of the skull. Empty: unknown.
+  std::vector<double> uppers;
+  std::array<bool, kUpperBones.size()> has_upper{};
   std::array<std::optional<FootSole>, 2> soles;  ///< By foot, where known.
 
   SourceFeet() = default;
@@ -83,7 +91,11 @@ struct SourceFeet {
   [[nodiscard]] const Eigen::Vector3d& support(int frame, std::size_t support) const {
     return supports[static_cast<std::size_t>(frame) * kSupportBones.size() + support];
   }
-  /// The same for the support at `support`.
+  /// @param upper  index into kUpperBones.
+  [[nodiscard]] double upper(int frame, std::size_t upper) const {
+    return uppers[static_cast<std::size_t>(frame) * kUpperBones.size() + upper];
+  }
+  /// Speed of the support at `support`, as that of a foot's end.
   [[nodiscard]] double support_speed(int frame, std::size_t support) const;
 
  private:

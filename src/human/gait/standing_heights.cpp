@@ -1,7 +1,10 @@
 // Finds the heights at which a human's feet stand on the floor.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 
 #include "human/gait/standing_heights.h"
 #include "retarget/statistics.h"
@@ -18,6 +21,13 @@ constexpr double kMinStanding = 0.7;   // Seconds, summed over both feet.
 constexpr double kSunk = 0.25;         // Metres by which a body may briefly be too low.
 constexpr double kShortestStay = 0.2;  // Seconds for which a foot stands at least once.
 
+// Heights above the floor to which the joints of lying and crawling bodies sink, metres. Elbows of
+// motion capture data are often below the floor. In the order of kSupportBones and kUpperBones.
+constexpr std::array kSunkSupports = {0.03, 0.03, -0.02, -0.02, 0.0, 0.0, 0.06, 0.06};
+constexpr std::array kSunkUppers = {0.04, 0.04, 0.05};
+static_assert(kSunkSupports.size() == kSupportBones.size());
+static_assert(kSunkUppers.size() == kUpperBones.size());
+
 // Height of the lower foot's end; infinite if no foot has this end.
 double lower_end(const SourceFeet& source, int frame, int end) {
   double z = HUGE_VAL;
@@ -25,6 +35,26 @@ double lower_end(const SourceFeet& source, int frame, int end) {
     if (source.has(foot, end)) z = std::min(z, source.at(frame, foot).end(end).z());
   }
   return z;
+}
+
+// Height of the floor on which the lowest part of the body other than the feet rests in this frame;
+// infinite if no such part is known.
+double floor_below_parts(const SourceFeet& source, int frame, double size) {
+  constexpr double kAloft = 0.3;  // Height of other parts above hands that carry the body, metres.
+  constexpr double kPalm = 0.06;  // Height of the wrist above the palm of such a hand, metres.
+  double hands = HUGE_VAL, elbows = HUGE_VAL, others = HUGE_VAL;
+  for (std::size_t i = 0; i < kSupportBones.size() && !source.supports.empty(); ++i) {
+    if (!source.has_support[i]) continue;
+    const std::optional<LimbBone> part = limb_bone(kSupportBones[i]);
+    double& z = part == LimbBone::kHand ? hands : part == LimbBone::kForeArm ? elbows : others;
+    z = std::min(z, source.support(frame, i).z() - kSunkSupports[i] * size);
+  }
+  for (std::size_t i = 0; i < kUpperBones.size() && !source.uppers.empty(); ++i) {
+    if (!source.has_upper[i]) continue;
+    others = std::min(others, source.upper(frame, i) - kSunkUppers[i] * size);
+  }
+  if (others > hands + kAloft * size) hands -= kPalm * size;
+  return std::min({hands, elbows, others});
 }
 
 // Whether the toes are below this height only for a moment, and the body gets there faster than it
@@ -195,23 +225,62 @@ double StandingHeightFinder::guessed_rise(const SourceFeet& source, double floor
   return kCommonFoot * (first.ankle - first.toe).norm();
 }
 
+// Returns the height of the floor on which a part other than the feet rests, if feet whose lowest
+// toes have this height are above that floor: those of a handstand or of a lying body.
+std::optional<double> StandingHeightFinder::floor_below_body(const SourceFeet& source, double toe,
+                                                             double size) {
+  constexpr double kRestingShare = 0.2;  // Share of the frames.
+  // In most files the floor is at z = 0. It is there if the lowest parts are higher or lower by less
+  // than this, metres.
+  constexpr double kOverZero = 0.1, kUnderZero = 0.07;
+  // Least height of the feet above the floor, metres. Parts of some bodies sink by 6 cm more than
+  // those of others, so a floor that is not at zero is less certain.
+  constexpr double kOverFloor = 0.01, kFarOverFloor = 0.08;
+  std::vector<double>& lowest = values_;
+  lowest.clear();
+  int on_feet = 0;
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    const double toes = lower_end(source, frame, kToeEnd), under_toes = toes - kToeHeight * size;
+    const double parts = floor_below_parts(source, frame, size);
+    lowest.push_back(std::min(under_toes, parts));
+    if (under_toes <= parts && toes < toe + kNearLowest * size) ++on_feet;
+  }
+  const auto low =
+      lowest.begin() + static_cast<std::ptrdiff_t>(kRestingShare * source.frame_count());
+  std::ranges::nth_element(lowest, low);
+  const bool at_zero = -kUnderZero * size < *low && *low < kOverZero * size;
+  const double highest = toe - (kToeHeight + (at_zero ? kOverFloor : kFarOverFloor)) * size;
+  if (!(*low < highest)) return std::nullopt;
+  if (at_zero) return 0.0;
+  // Feet that carry the body for a while are on the floor, although not with the pitch of standing.
+  return on_feet * source.frame_time > kMinStanding ? std::nullopt : std::optional(*low);
+}
+
 // Heights of the ends of feet. With a known sole, the heel replaces the ankle.
 StandingHeights StandingHeightFinder::heights_of_ends(const SourceFeet& source, double size,
                                                       const ContactOptions& options) {
-  const double floor = low_height(source, kToeEnd);
-  if (std::isinf(floor)) {
-    const double ankle = low_height(source, kHeelEnd);
-    return {ankle, ankle - kUsualRise * size, false};
+  const double low_toe = low_height(source, kToeEnd);
+  const bool has_toes = !std::isinf(low_toe);
+  if (has_toes) {
+    find_feet_that_stand(source, options.begin_speed * size);
+    const auto level = feet_on_floor(source, low_toe, size);
+    if (carries(level, source.frame_time)) {
+      return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),
+              true};
+    }
   }
-  find_feet_that_stand(source, options.begin_speed * size);
-  const auto level = feet_on_floor(source, floor, size);
-  if (carries(level, source.frame_time)) {
-    return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),
-            true};
+  const double low_ankle = has_toes ? 0.0 : low_height(source, kHeelEnd);
+  const double lowest = has_toes ? low_toe : low_ankle - kUsualRise * size;
+  const auto floor = floor_below_body(source, lowest, size);
+  const double toe = floor ? *floor + kToeHeight * size : lowest;
+  StandingHeights heights{toe, toe, false};
+  heights.from_body = floor.has_value();
+  if (!has_toes) {
+    heights.ankle = floor ? toe + kUsualRise * size : low_ankle;
+  } else if (!source.soles[0] && !source.soles[1]) {  // A sole is flat.
+    heights.ankle += guessed_rise(source, toe, size, options);
   }
-  // A sole is flat.
-  if (source.soles[0] || source.soles[1]) return {floor, floor, false};
-  return {floor + guessed_rise(source, floor, size, options), floor, false};
+  return heights;
 }
 
 StandingHeights StandingHeightFinder::find(const SourceFeet& source, double scale,

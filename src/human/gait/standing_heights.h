@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace retarget {
 
 /// Returns the height of the floor on which the feet of a plan stand, metres.
 [[nodiscard]] double floor_height(const ContactPlan& contacts);
+
+/// Height of the toe joint of a standing foot above the floor, metres.
+inline constexpr double kToeHeight = 0.02;
 
 /// Returns the largest height of a support's joint above the floor when the body lies, kneels,
 /// leans or sits on it, metres.
@@ -51,6 +55,8 @@ class StandingHeightFinder {
   [[nodiscard]] double middle_height(Feet feet, double StandingFoot::*height);
   [[nodiscard]] double guessed_rise(const SourceFeet& source, double floor, double size,
                                     const ContactOptions& options);
+  [[nodiscard]] std::optional<double> floor_below_body(const SourceFeet& source, double toe,
+                                                       double size);
   [[nodiscard]] StandingHeights heights_of_ends(const SourceFeet& source, double size,
                                                 const ContactOptions& options);
 

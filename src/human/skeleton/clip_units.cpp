@@ -25,8 +25,10 @@ constexpr double kStepSeconds = 1.0 / 30.0;
 class FootSteps {
  public:
   // @param slots  translation slots of the root (Skeleton::translation_slot)
+  // @param up     unit vector in the file's axes. If known, parts of the body that are lower than
+  //               the feet count as feet: they carry the body.
   FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
-            double seconds = kStepSeconds);
+            double seconds = kStepSeconds, const std::optional<Eigen::Vector3d>& up = std::nullopt);
 
   [[nodiscard]] bool empty() const { return steps_.empty(); }
   // Mean speed of the slowest ankle or toe with a scaled root translation, legs per second.
@@ -80,6 +82,17 @@ std::vector<int> feet_of_body(const Body& body) {
   return feet;
 }
 
+// Other joints that may carry a body.
+std::vector<int> supports_of_body(const Body& body) {
+  std::vector<int> joints;
+  for (const Bone bone : {Bone::kLeftHand, Bone::kRightHand, Bone::kLeftForeArm,
+                          Bone::kRightForeArm, Bone::kLeftLeg, Bone::kRightLeg, Bone::kLeftArm,
+                          Bone::kRightArm, Bone::kHead, Bone::kSpine2, Bone::kHips}) {
+    if (body.joint(bone) >= 0) joints.push_back(body.joint(bone));
+  }
+  return joints;
+}
+
 // Mean cosine between trunk and legs.
 double fold_of(const Body& body, const JointPoses& pose) {
   const auto trunk = trunk_direction(body, pose);
@@ -95,32 +108,44 @@ double fold_of(const Body& body, const JointPoses& pose) {
 }
 
 FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
-                     double seconds) {
+                     double seconds, const std::optional<Vector3d>& up) {
   const double leg = leg_length(body);
   const std::vector<int> feet = feet_of_body(body);
+  std::vector<int> joints = feet;
+  if (up) {
+    const std::vector<int> supports = supports_of_body(body);
+    joints.insert(joints.end(), supports.begin(), supports.end());
+  }
   const StepFrames steps = frames_of_steps(clip, seconds);
   if (!(leg > 0.0) || feet.empty() || steps.begins.empty()) return;
   // Comparing with the frame at doubled root translation isolates the contribution of the root.
   Clip twice(clip.shared_skeleton(), clip.rate(), 1);
-  const auto feet_at = [&](int frame) {
+  const auto places_at = [&](int frame) {
     copy_frame(clip, frame, twice, 0);
     for (const int slot : slots) twice.translations(0)[static_cast<std::size_t>(slot)] *= 2.0;
     const JointPoses pose = frame_pose(clip, frame), moved = frame_pose(twice, 0);
     fold_ += fold_of(body, pose) / (2.0 * static_cast<double>(steps.begins.size()));
     std::vector<FootStep> places;
-    for (const int foot : feet) {
-      const Vector3d by_root = moved[foot].translation - pose[foot].translation;
-      places.push_back({by_root, pose[foot].translation - by_root});
+    for (const int joint : joints) {
+      const Vector3d by_root = moved[joint].translation - pose[joint].translation;
+      places.push_back({by_root, pose[joint].translation - by_root});
     }
     return places;
   };
+  const auto height = [&](const FootStep& place) {
+    return up->dot(place.by_root + place.by_others);
+  };
   const double unit = leg * clip.rate().frame_time() * steps.length;
   for (const int begin : steps.begins) {
-    const std::vector<FootStep> before = feet_at(begin);
-    std::vector<FootStep> step = feet_at(begin + steps.length);
-    for (std::size_t i = 0; i < step.size(); ++i) {
-      step[i].by_root = (step[i].by_root - before[i].by_root) / unit;
-      step[i].by_others = (step[i].by_others - before[i].by_others) / unit;
+    const std::vector<FootStep> before = places_at(begin), after = places_at(begin + steps.length);
+    std::vector<FootStep> step;
+    double lowest_foot = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const bool is_foot = i < feet.size();
+      if (up && is_foot) lowest_foot = std::min(lowest_foot, height(before[i]));
+      if (!is_foot && height(before[i]) >= lowest_foot) continue;
+      step.push_back({(after[i].by_root - before[i].by_root) / unit,
+                      (after[i].by_others - before[i].by_others) / unit});
     }
     steps_.push_back(std::move(step));
   }
@@ -292,59 +317,82 @@ bool moves_by_root_alone(const Clip& clip, const std::vector<int>& slots) {
   return static_cast<std::size_t>(clip.skeleton().translated_count()) == slots.size();
 }
 
+// Whether a scale of the root translation makes moving feet stand still.
+bool makes_feet_stand(const FootSteps& steps, double scale) {
+  constexpr double kMuchSlower = 0.4, kSlower = 0.5;
+  const double found = steps.slowest_foot(scale);
+  return found < kMuchSlower * steps.slowest_foot(1.0) && found < kSlower * steps.slowest_foot(0.0);
+}
+
+// Whether feet stand still only with a root translation of another scale.
+bool has_another_scale(const FootSteps& steps, double best) {
+  constexpr double kPlainRatio = 2.0;
+  return factor_between(best, 1.0) > kPlainRatio && makes_feet_stand(steps, best);
+}
+
 std::optional<Warning> check_root(Clip& clip, const Body& body) {
-  constexpr double kMuchSlower = 0.4, kSlower = 0.5, kSlow = 0.05;
-  constexpr double kNearRatio = 1.12, kPlainRatio = 2.0;
-  constexpr double kRestingRoot = 0.25, kMovingFeet = 0.25;  // Legs per second.
+  constexpr double kSlow = 0.05;  // Legs per second.
+  constexpr double kNearRatio = 1.12;
   const std::vector<int> slots = root_slots(clip.skeleton(), body);
   const FootSteps steps(clip, body, slots);
   if (steps.empty()) return std::nullopt;
-  const double speed = steps.slowest_foot(1.0), without = steps.slowest_foot(0.0);
-  if (speed <= kSlow) return std::nullopt;
-  if (moves_by_root_alone(clip, slots) && steps.root() > 0.0) {
-    const double best = best_scale(steps), ratio = nearest_ratio(best);
-    const auto stands = [&](double scale) {
-      const double found = steps.slowest_foot(scale);
-      return found < kMuchSlower * speed && found < kSlower * without;
-    };
-    if (ratio != 1.0 && factor_between(best, ratio) < kNearRatio && stands(ratio)) {
-      for (int frame = 0; frame < clip.frame_count(); ++frame) {
-        for (const int slot : slots) {
-          clip.translations(frame)[static_cast<std::size_t>(slot)] *= ratio;
-        }
-      }
-      return Warning{0, 0,
-                     fmt::format("the unit of the root translation differs from that of the "
-                                 "offsets, according to the feet; it was multiplied by {:.4g}",
-                                 ratio)};
-    }
-    if (factor_between(best, 1.0) > kPlainRatio && stands(best)) {
-      return Warning{0, 0,
-                     fmt::format("the feet stand still only if the root translation is multiplied "
-                                 "by {:.2g}: its unit or the body size may be wrong",
-                                 best)};
-    }
+  if (steps.slowest_foot(1.0) <= kSlow || !moves_by_root_alone(clip, slots) ||
+      !(steps.root() > 0.0)) {
+    return std::nullopt;
   }
-  // Noise, and frames in which the tracking is lost, move feet back and forth, but not over 0.2 s.
-  constexpr double kSlideSeconds = 0.2;
-  const auto slides = [&] {
-    return FootSteps(clip, body, slots, kSlideSeconds).usual_slowest_foot() > kMovingFeet;
-  };
-  if (steps.root() < kRestingRoot && speed > kMovingFeet && speed > steps.root() && slides()) {
+  const double best = best_scale(steps), ratio = nearest_ratio(best);
+  if (ratio != 1.0 && factor_between(best, ratio) < kNearRatio && makes_feet_stand(steps, ratio)) {
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      for (const int slot : slots) {
+        clip.translations(frame)[static_cast<std::size_t>(slot)] *= ratio;
+      }
+    }
     return Warning{0, 0,
-                   "the planted feet move and the root does not: the root translation is missing "
-                   "or centred, and the motion slides in place"};
+                   fmt::format("the unit of the root translation differs from that of the "
+                               "offsets, according to the feet; it was multiplied by {:.4g}",
+                               ratio)};
+  }
+  if (has_another_scale(steps, best)) {
+    return Warning{0, 0,
+                   fmt::format("the feet stand still only if the root translation is multiplied "
+                               "by {:.2g}: its unit or the body size may be wrong",
+                               best)};
   }
   return std::nullopt;
 }
 
+bool is_long_enough(const Clip& clip) {
+  return clip.frame_count() * clip.rate().frame_time() >= kMinSeconds;
+}
+
 }  // namespace
+
+std::optional<Warning> find_missing_root(const Clip& clip, const BoneMap& map, const Vector3d& up) {
+  constexpr double kRestingRoot = 0.25, kMovingFeet = 0.25;  // Legs per second.
+  // Noise, and frames in which the tracking is lost, move feet back and forth, but not over 0.2 s.
+  constexpr double kSlideSeconds = 0.2;
+  if (!map.has(Bone::kHips) || !is_long_enough(clip)) return std::nullopt;
+  const Body body(clip.skeleton(), map);
+  const std::vector<int> slots = root_slots(clip.skeleton(), body);
+  const FootSteps steps(clip, body, slots, kStepSeconds, up);
+  const double speed = steps.slowest_foot(1.0);
+  if (!(steps.root() < kRestingRoot && speed > kMovingFeet && speed > steps.root())) {
+    return std::nullopt;
+  }
+  if (moves_by_root_alone(clip, slots) && steps.root() > 0.0 &&
+      has_another_scale(steps, best_scale(steps))) {
+    return std::nullopt;
+  }
+  const FootSteps slides(clip, body, slots, kSlideSeconds, up);
+  if (!(slides.usual_slowest_foot() > kMovingFeet)) return std::nullopt;
+  return Warning{0, 0,
+                 "the planted feet move and the root does not: the root translation is missing "
+                 "or centred, and the motion slides in place"};
+}
 
 std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map) {
   std::vector<Warning> warnings;
-  if (!map.has(Bone::kHips) || clip.frame_count() * clip.rate().frame_time() < kMinSeconds) {
-    return warnings;
-  }
+  if (!map.has(Bone::kHips) || !is_long_enough(clip)) return warnings;
   const Body body(clip.skeleton(), map);
   const bool is_made = !clip.origin().unknown_rotations.empty();
   if (!is_made) {

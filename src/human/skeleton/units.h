@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,9 +80,14 @@ struct BodySize {
 ///   ratio of two units, the slowest foot is less than 0.4 times as fast, and less than half as
 ///   fast as without any translation. It is converted.
 ///
-/// Uncertain cases stay unchanged: a scale that is not a ratio of two units, and a root that does
-/// not move while the feet do.
+/// A scale that is not a ratio of two units stays unchanged.
 /// @return one warning per change or uncertain assumption
 [[nodiscard]] std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map);
+
+/// Returns a warning if the root of a repaired clip does not move while the feet do. Parts that are
+/// lower than the feet count as feet, such as the hands of a handstand.
+/// @param up  unit vector in the file's axes
+[[nodiscard]] std::optional<Warning> find_missing_root(const Clip& clip, const BoneMap& map,
+                                                       const Eigen::Vector3d& up);
 
 }  // namespace retarget

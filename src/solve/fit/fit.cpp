@@ -210,6 +210,13 @@ void note_raised_feet(const FitClip& clip, FitReport& report) {
       100.0 * share, raised.highest));
 }
 
+// Reports that the floor is not that of feet.
+void note_floor(const StandingHeights& standing, FitReport& report) {
+  if (!standing.from_body) return;
+  report.notes.emplace_back(
+      "no foot stands long enough: the floor is where the lowest part of the body rests");
+}
+
 // Reads the human's poses and makes the targets of all frames.
 // @return true if all targets are finite and small enough for the computation.
 bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
@@ -473,6 +480,7 @@ Result<FitResult> Fit::run() {
     plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
     plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
     ease_contacts(feet_, source_feet, scale, clip_.feet);
+    note_floor(result.contacts.standing, report);
     if (run_.scene == nullptr) note_raised_feet(clip_, report);
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;

@@ -77,7 +77,7 @@ double FloorFinder::estimate() {
   return *middle;
 }
 
-double FloorFinder::add(std::span<const TrackedFoot> feet) {
+double FloorFinder::add(std::span<const TrackedFoot> feet, double lowest_part) {
   constexpr int kWait = 8;         // Frames between two estimates.
   constexpr double kStands = 0.5;  // Minimum TrackedFoot::up of a stance.
   if (feet.empty()) return 0.0;
@@ -90,8 +90,9 @@ double FloorFinder::add(std::span<const TrackedFoot> feet) {
     stands = true;
   }
   if (!begun_) {
+    constexpr double kClearly = 0.1, kDepth = 0.05;  // Metres; the depth is that of a body.
     begun_ = true;
-    floor_ = goal_ = lowest;
+    floor_ = goal_ = lowest_part < lowest - kClearly ? lowest_part - kDepth : lowest;
   }
   if (stands && wait_-- <= 0) {
     wait_ = kWait;

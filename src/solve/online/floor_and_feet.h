@@ -63,8 +63,10 @@ class FloorFinder {
   FloorFinder(const FitOptions& options, double frame_time);
 
   /// Adds the current frame of the feet.
+  /// @param lowest_part  height of the lowest target of other bodies, on the same scale. The first
+  ///                     estimate is below it if the feet are clearly higher, as in a handstand.
   /// @return estimate of the floor height, metres above the source's origin.
-  double add(std::span<const TrackedFoot> feet);
+  double add(std::span<const TrackedFoot> feet, double lowest_part);
   /// Discards all stances.
   void restart();
 

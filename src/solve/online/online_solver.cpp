@@ -40,6 +40,7 @@ class OnlineSolver::Impl {
 
  private:
   Outcome take_next();
+  [[nodiscard]] double lowest_part(double path_height) const;
 
   OnlineOptions options_;
   std::unique_ptr<OnlineTargets> targets_;
@@ -54,7 +55,7 @@ OnlineSolver::Outcome OnlineSolver::Impl::push(const HumanPose& human) {
   targets_->build(human);
   const Eigen::Vector3d path = targets_->path();
   for (TrackedFoot& foot : feet_) foot.add(human, targets_->world_from_target(), path);
-  const double floor = lag_ || options_.floor ? floor_.add(feet_) : 0.0;
+  const double floor = lag_ || options_.floor ? floor_.add(feet_, lowest_part(path.z())) : 0.0;
   if (!lag_ && options_.hold_feet) {
     holder_.hold(feet_, floor, path, targets_->world_from_target());
   }
@@ -68,6 +69,17 @@ OnlineSolver::Outcome OnlineSolver::Impl::push(const HumanPose& human) {
   qpos_[2] -= floor;
   if (options_.floor && !robot().fixed_base()) holder_.stand(feet_, qpos_);
   return Outcome::kSolved;
+}
+
+// Height of the lowest target of a body that is not a foot.
+double OnlineSolver::Impl::lowest_part(double path_height) const {
+  double lowest = HUGE_VAL;
+  for (const FitTask& task : targets_->model().tasks) {
+    if (task.foot >= 0) continue;
+    const Pose& target = targets_->world_from_target()[static_cast<std::size_t>(task.target)];
+    lowest = std::min(lowest, target.translation.z() + path_height);
+  }
+  return lowest;
 }
 
 OnlineSolver::Outcome OnlineSolver::Impl::take_next() {
