@@ -204,6 +204,65 @@ TEST(NewSender, FramesWaitForItsSkeleton) {
   }
 }
 
+// The same motion with other joint axes, so that the zero pose is no pose of a human.
+Clip with_other_axes(const Clip& clip) {
+  std::vector<Joint> joints = clip.skeleton().joints();
+  std::vector<Eigen::Quaterniond> old_from_new;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const double angle = 0.3 + 0.7 * static_cast<double>(j % 5);
+    const Eigen::Vector3d axis(1.0, 0.5 * static_cast<double>(j % 3), -0.4);
+    old_from_new.emplace_back(Eigen::AngleAxisd(angle, axis.normalized()));
+  }
+  const auto parent_turn = [&](std::size_t j) {
+    return joints[j].parent < 0 ? Eigen::Quaterniond::Identity()
+                                : old_from_new[static_cast<std::size_t>(joints[j].parent)];
+  };
+  Clip turned = clip;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Eigen::Quaterniond parent = parent_turn(j);
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      turned.rotations(frame)[j] = parent.conjugate() * clip.rotations(frame)[j] * old_from_new[j];
+    }
+    joints[j].offset = parent.conjugate() * joints[j].offset;
+    for (Eigen::Vector3d& end : joints[j].end_sites) end = old_from_new[j].conjugate() * end;
+  }
+  Clip made(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) copy_frame(turned, frame, made, frame);
+  made.set_origin(clip.origin());
+  return made;
+}
+
+// The zero pose of a skeleton says nothing about the performer: the first frame calibrates a body
+// that replaces another, as it does the first body.
+TEST(NewSender, IsCalibratedByItsFirstFrame) {
+  const Clip before = sample_clip("walk");
+  const Clip clip = with_other_axes(sample_clip("squat"));
+  for (const auto& [pace, format] : {std::pair{LivePace::kClock, "bvh"},
+                                     {LivePace::kInput, "bvh"},
+                                     {LivePace::kInput, "lines"}}) {
+    const std::string address = "stdin?format=" + std::string(format);
+    SentStream alone(LivePace::kInput, address.c_str());
+    SentStream after(pace, address.c_str());
+    const auto first = (*find_stream_format(format))->encoder();
+    const auto second = (*find_stream_format(format))->encoder();
+    alone.send(second->begin(clip), 0.0);
+    after.send(first->begin(before), 0.0);
+    for (int i = 0; i < 60; ++i) after.send(first->frame(before, i).value(), i / 30.0);
+    after.send(second->begin(clip), 2.0);
+    for (int i = 0; i < clip.frame_count(); ++i) {
+      alone.send(second->frame(clip, i).value(), i / 30.0);
+      after.send(second->frame(clip, i).value(), 2.1 + i / 30.0);
+      if (i == 5) after.pipeline.take_body(2.1 + i / 30.0);
+    }
+    alone.pipeline.finish(0.0);
+    after.pipeline.finish(0.0);
+    ASSERT_EQ(after.frames.back().state, LiveState::kFollowing);
+    for (std::size_t j = 7; j < alone.frames.back().qpos.size(); ++j) {
+      EXPECT_NEAR(after.frames.back().qpos[j], alone.frames.back().qpos[j], 0.02) << j;
+    }
+  }
+}
+
 TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
   const Clip clip = sample_clip("walk");
   SentStream run(LivePace::kClock, "udp:1?format=bvh");

@@ -20,6 +20,8 @@ constexpr double kJustBefore = 2e-6;  // seconds
 constexpr std::size_t kMostFrames = 128;
 // Minimum interval between two recognitions of a body.
 constexpr double kBodyEvery = 1.0;  // seconds
+// Poses of a new skeleton that are tried before a running stream returns to its previous body.
+constexpr int kMostPoses = 5;
 
 }  // namespace
 
@@ -62,12 +64,11 @@ Result<void> LivePipeline::packet(std::string_view bytes, double now) {
 }
 
 void LivePipeline::decode(std::string_view bytes) {
-  if (std::exchange(restores_, false)) {
-    if (known_) decoder_->know_skeleton(known_);
-    skeleton_packets_.restore(*decoder_);
-  }
+  if (std::exchange(restores_, false)) restore_used_skeleton();
   batch_.clear();
-  const auto taken = decoder_->take(bytes, batch_);
+  auto taken = decoder_->take(bytes, batch_);
+  old_continues_ = !taken && session_ && poseless_ && continues_old_body(bytes);
+  if (old_continues_) taken = {};
   decode_error_.reset();
   if (!taken) decode_error_ = taken.error().message;
   if (!taken || batch_.empty() || batch_.has_skeleton()) {
@@ -75,6 +76,22 @@ void LivePipeline::decode(std::string_view bytes) {
   } else {
     skeleton_packets_.forget_waiting();
   }
+}
+
+void LivePipeline::restore_used_skeleton() {
+  if (known_) decoder_->know_skeleton(known_);
+  skeleton_packets_.restore(*decoder_);
+}
+
+// Whether a packet that does not fit a new skeleton without poses is of the body in use. Then the
+// skeleton is not that of the stream.
+bool LivePipeline::continues_old_body(std::string_view bytes) {
+  if (!batch_.empty()) return false;
+  restore_used_skeleton();
+  if (decoder_->take(bytes, batch_) && !batch_.empty() && !batch_.has_skeleton()) return true;
+  batch_.clear();
+  skeleton_packets_.restore_latest(*decoder_);
+  return false;
 }
 
 Result<void> LivePipeline::use_decoded(double now) {
@@ -95,6 +112,13 @@ Result<void> LivePipeline::use_decoded(double now) {
 }
 
 Result<void> LivePipeline::use_items() {
+  if (std::exchange(old_continues_, false)) {
+    Error why;
+    why.message = "a new skeleton arrived, but the frames are still those of the body in use";
+    poseless_->poses_left = 0;
+    refuse(*std::exchange(poseless_, std::nullopt), why);
+    restores_ = false;
+  }
   for (std::size_t i = 0; i < batch_.size() && !error_; ++i) {
     PacketBatch::Item& item = batch_[i];
     if (item.skeleton) {
@@ -185,9 +209,8 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
   poseless_.reset();
   if (calibrates_) return;
   BodyTask task{clip, has_rest ? RestPose::kFirst : RestPose::kAuto, false};
-  // A running stream does not wait: its frames belong to the new skeleton, or count as malformed
-  // until that skeleton is rejected.
-  if (clip.frame_count() == 0 && !session_) {
+  if (clip.frame_count() == 0) {
+    task.poses_left = kMostPoses;
     poseless_ = std::move(task);
     pose_tried_ = -std::numeric_limits<double>::infinity();
     return;
@@ -196,7 +219,8 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
 }
 
 // Recognises a body from its first frame, because the zero pose of a skeleton without poses may be
-// folded up. If that frame is not recognised as human, tries later frames.
+// folded up. If that frame is not recognised as human, tries later frames: a running stream only
+// some, then it returns to its previous body.
 void LivePipeline::take_first_pose(const StreamFrame& frame) {
   if (!poseless_ || wall_ - pose_tried_ < kBodyEvery) return;
   pose_tried_ = wall_;
@@ -204,6 +228,12 @@ void LivePipeline::take_first_pose(const StreamFrame& frame) {
   task.clip.resize(1);
   std::ranges::copy(frame.rotations, task.clip.rotations(0).begin());
   std::ranges::copy(frame.translations, task.clip.translations(0).begin());
+  if (session_) {
+    --task.poses_left;
+    poseless_.reset();
+    change_body(std::move(task));
+    return;
+  }
   change_body(std::move(task));
   if (session_ || error_) poseless_.reset();
 }
@@ -282,6 +312,10 @@ void LivePipeline::refuse(const BodyTask& task, const Error& why) {
                       : "waiting for a human (similar skeletons are not reported): ") +
                 text);
   if (task.is_posed) return;
+  if (session_ && task.poses_left > 0 && !waiting_ && is_same(*received_, task.clip)) {
+    poseless_ = task;
+    return;
+  }
   refused_ = task.clip;
   if (!used_ || waiting_) return;
   received_ = used_;

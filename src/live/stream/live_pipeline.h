@@ -81,6 +81,8 @@ class LivePipeline final {
 
  private:
   void know_up(const std::optional<Eigen::Vector3d>& up);
+  void restore_used_skeleton();
+  [[nodiscard]] bool continues_old_body(std::string_view bytes);
   Result<void> use_items();
   void take_skeleton(const Clip& clip, bool has_rest);
   void take_frame(const StreamFrame& frame);
@@ -109,6 +111,7 @@ class LivePipeline final {
   std::optional<std::string> decode_error_;
   SkeletonPackets skeleton_packets_;
   bool restores_ = false;  // Restore the skeleton in use in the decoder before the next packet.
+  bool old_continues_ = false;   // The packet is of the body in use, not of a new skeleton.
   bool lacks_skeleton_ = false;  // The sender's skeleton is missing.
 
   std::optional<Clip> received_;      // Skeleton of the received frames.

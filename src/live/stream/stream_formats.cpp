@@ -227,9 +227,9 @@ void SkeletonPackets::see(std::string_view bytes, const PacketBatch& batch, bool
   }
 }
 
-void SkeletonPackets::restore(Decoder& decoder) const {
+void SkeletonPackets::replay(const std::vector<std::string>& packets, Decoder& decoder) {
   PacketBatch nothing(0);
-  for (const std::string& packet : kept_) {
+  for (const std::string& packet : packets) {
     // The packet was accepted before.
     static_cast<void>(decoder.take(packet, nothing));
   }

@@ -187,11 +187,15 @@ class SkeletonPackets {
   /// Marks the last received skeleton as the one in use.
   void accept() { kept_ = received_; }
   /// Replays the packets of the skeleton in use to a decoder.
-  void restore(Decoder& decoder) const;
+  void restore(Decoder& decoder) const { replay(kept_, decoder); }
+  /// Replays the packets of the last received skeleton.
+  void restore_latest(Decoder& decoder) const { replay(received_, decoder); }
   /// Discards packets that completed no skeleton.
   void forget_waiting();
 
  private:
+  static void replay(const std::vector<std::string>& packets, Decoder& decoder);
+
   std::vector<std::string> received_, kept_;
   std::vector<std::string> waiting_;  // Packets without a result yet.
   std::size_t waiting_bytes_ = 0;
