@@ -331,7 +331,7 @@ std::optional<RobotFrame> LiveSession::Impl::show_rest() {
     if (!has_rest) return std::nullopt;
     std::ranges::copy(solver_->qpos(), wanted_.begin());
     ++fed_;
-    return show(slot, LiveState::kFollowing);
+    return show(playout_.take_rest(), LiveState::kFollowing);
   }
 }
 
