@@ -130,6 +130,25 @@ TEST(InputPace, HoldsThePoseInAGapOfTheTimes) {
   EXPECT_NEAR(static_cast<double>(held), 43.0, 3.0);
 }
 
+// Frames are missing for up to a quarter of a second, whatever the rate of the others.
+TEST(InputPace, InterpolatesGaps) {
+  const Clip clip = resample(sample_clip("walk"), frame_rate_from_fps(120.0)).value();
+  for (const int missing : {10, 20, 25, 28}) {
+    SentStream run(LivePace::kInput);
+    const auto encoder = make_line_encoder();
+    run.send(encoder->begin(clip), 0.0);
+    for (int i = 0; i < 480; ++i) {
+      if (i <= 200 || i > 200 + missing) run.send(encoder->frame(clip, i).value(), 0.0);
+    }
+    run.pipeline.finish(0.0);
+    for (std::size_t i = 0; i < run.frames.size(); ++i) {
+      ASSERT_EQ(run.frames[i].state, LiveState::kFollowing) << missing << ", " << i;
+      if (i == 0) continue;
+      ASSERT_LT(run.frames[i].time - run.frames[i - 1].time, 0.031) << missing << ", " << i;
+    }
+  }
+}
+
 TEST(InputPace, WarnsOfFramesWithoutTimes) {
   const Clip clip = sample_clip("walk");
   const auto encoder = make_bvh_row_encoder();

@@ -137,6 +137,17 @@ double FrameQueue::past_cut(double time) const {
   return time;
 }
 
+double FrameQueue::past_gap(double time, double rate) const {
+  constexpr double kAlike = 0.8;  // Arrivals against timestamps.
+  for (std::size_t i = 1; i < count_; ++i) {
+    const Slot &before = at(i - 1), &slot = at(i);
+    if (slot.time <= time + kSameTime) continue;
+    const double missing = (slot.time - before.time) / rate;
+    return !slot.cut && slot.arrival - before.arrival > kAlike * missing ? slot.time : time;
+  }
+  return time;
+}
+
 long FrameQueue::between(double after, double before) const {
   long count = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -210,7 +221,9 @@ Playout::Slot Playout::next(const FrameQueue& queue, const SenderClock& clock) c
     const double wanted =
         first_ ? (delay_s_ > 0.0 ? queue.first_time() : newest) : time_ + step + gain_;
     const double skip = clock.rate() * (kSkip + delay_s_) + 2.0 * queue.interval();
-    if (cut_ || newest - wanted > skip) {
+    // A gap that was received in time is interpolated; it does not make its frames late.
+    const double since = starved() < kSkip ? queue.past_gap(wanted, clock.rate()) : wanted;
+    if (cut_ || newest - since > skip) {
       slot.skips = !first_;
       slot.time = first_ ? wanted : std::max(time_, newest - clock.rate() * delay_s_);
       slot.known = newest > time_ + kSame || first_;

@@ -50,6 +50,10 @@ class FrameQueue {
   [[nodiscard]] double nearest(double time) const;
   /// Returns the time itself, or the time of the frame after the cut if it lies in a cut.
   [[nodiscard]] double past_cut(double time) const;
+  /// Returns the time of the next frame if frames before it are missing and interpolated, otherwise
+  /// the time itself. If the timestamps alone leave a gap, none is missing.
+  /// @param rate  session seconds per local second.
+  [[nodiscard]] double past_gap(double time, double rate) const;
   /// Number of frames between two times.
   [[nodiscard]] long between(double after, double before) const;
   /// Typical frame interval, seconds of session time; 0 while unknown.
