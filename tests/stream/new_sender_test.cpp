@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/load.h"
@@ -293,6 +294,26 @@ TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
   run.send(encoder->frame(clip, 1).value(), 2.0);
   EXPECT_EQ(run.pipeline.packets().foreign, 0);
   EXPECT_EQ(run.pipeline.statistics().received, 2);
+}
+
+TEST(NewSender, MayHaveOtherJointsThanTheUsersSkeleton) {
+  const Clip clip = sample_clip("walk");
+  const Clip bones = clip_of_human_bones(clip, {}, RETARGET_SOURCE_DIR).value();
+  for (const char* format : {"rokoko", "smplx", "xrobot", "lines", "bvh"}) {
+    const std::string address = "stdin?format=" + std::string(format);
+    const bool has_own_names = (*find_stream_format(format))->plays_human == nullptr;
+    const Clip& sent = has_own_names ? clip : bones;
+    SentStream run(LivePace::kInput, address.c_str());
+    ASSERT_TRUE(run.pipeline.know_skeleton(clip));
+    const auto encoder = (*find_stream_format(format))->encoder();
+    run.send(encoder->begin(sent), 0.0);
+    for (int i = 0; i < 60; ++i) run.send(encoder->frame(sent, i).value(), i / 30.0);
+    run.pipeline.finish(2.0);
+    EXPECT_GT(run.frames.size(), 90U) << format;
+    EXPECT_EQ(run.pipeline.statistics().interruptions, 0) << format;
+    EXPECT_EQ(run.is_told("own skeleton is used instead of"), !has_own_names) << format;
+    EXPECT_EQ(run.is_told("no joint \"Hips\""), !has_own_names) << format << run.told;
+  }
 }
 
 TEST(NewSender, ABodyIsLikeAnotherInTheSameUnit) {

@@ -356,7 +356,8 @@ void LiveSession::Impl::recalibrate(std::unique_ptr<OnlineSolver> solver) {
   older_.reset();
   playout_.cut();
   has_human_ = false;
-  ++statistics_.interruptions;
+  // Before the first frame there is nothing to interrupt.
+  if (begun_) ++statistics_.interruptions;
   // The first frame of the new body is solved from several starts.
   settled_ = -std::numeric_limits<double>::infinity();
   absent_ = true;

@@ -18,6 +18,23 @@ namespace {
 constexpr double kJustBefore = 2e-6;  // seconds
 // Maximum number of frames in one packet at clock pace.
 constexpr std::size_t kMostFrames = 128;
+// Why frames of a stream are not frames of a file's skeleton.
+std::string difference(const Skeleton& file, const Skeleton& stream) {
+  const auto missing = [](const Skeleton& from, const Skeleton& in) -> const Joint* {
+    const auto found = std::ranges::find_if(from.joints(), [&](const Joint& joint) {
+      return std::ranges::find(in.joints(), joint.name, &Joint::name) == in.joints().end();
+    });
+    return found == from.joints().end() ? nullptr : &*found;
+  };
+  if (const Joint* joint = missing(file, stream)) {
+    return fmt::format("it has no joint \"{}\"", printable(joint->name));
+  }
+  if (const Joint* joint = missing(stream, file)) {
+    return fmt::format("the file has no joint \"{}\"", printable(joint->name));
+  }
+  return "their joints have other parents or channels";
+}
+
 // Minimum interval between two recognitions of a body.
 constexpr double kBodyEvery = 1.0;  // seconds
 // Poses of a new skeleton that are tried before a running stream returns to its previous body.
@@ -203,6 +220,7 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
     restores_ = used_.has_value();
     return;
   }
+  warn_of_unused_file(clip.skeleton());
   lacks_skeleton_ = false;
   received_ = clip;
   calibration_begin_.reset();
@@ -216,6 +234,15 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
     return;
   }
   change_body(std::move(task));
+}
+
+// Tells the user that the stream's own skeleton replaces that of a file.
+void LivePipeline::warn_of_unused_file(const Skeleton& skeleton) {
+  if (!known_) return;
+  warn_once(file_reported_, "body",
+            fmt::format("the stream's own skeleton is used instead of " RETARGET_OPTION(
+                            "skeleton") ", because {}",
+                        difference(*known_, skeleton)));
 }
 
 // Recognises a body from its first frame, because the zero pose of a skeleton without poses may be

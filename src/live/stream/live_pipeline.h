@@ -85,6 +85,7 @@ class LivePipeline final {
   [[nodiscard]] bool continues_old_body(std::string_view bytes);
   Result<void> use_items();
   void take_skeleton(const Clip& clip, bool has_rest);
+  void warn_of_unused_file(const Skeleton& skeleton);
   void take_frame(const StreamFrame& frame);
   [[nodiscard]] Result<void> begin_session(const BodyTask& task);
   void change_body(BodyTask task);
@@ -136,7 +137,8 @@ class LivePipeline final {
   HumanFrame human_;
   bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
        jump_reported_ = false;
-  bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false;
+  bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false,
+       file_reported_ = false;
 };
 
 }  // namespace retarget
