@@ -87,12 +87,20 @@ void LivePipeline::decode(std::string_view bytes) {
   old_continues_ = !taken && session_ && poseless_ && continues_old_body(bytes);
   if (old_continues_) taken = {};
   decode_error_.reset();
-  if (!taken) decode_error_ = taken.error().message;
+  if (!taken) note_malformed(bytes, taken.error().message);
   if (!taken || batch_.empty() || batch_.has_skeleton()) {
     skeleton_packets_.see(bytes, batch_, !taken.has_value());
   } else {
     skeleton_packets_.forget_waiting();
   }
+}
+
+void LivePipeline::note_malformed(std::string_view bytes, const std::string& why) {
+  constexpr std::size_t kHead = 4096;
+  decode_error_ = why;
+  if (!malformed_why_.empty()) return;
+  malformed_why_ = why;
+  malformed_head_ = bytes.substr(0, kHead);
 }
 
 void LivePipeline::restore_used_skeleton() {
@@ -202,6 +210,20 @@ void LivePipeline::finish(double now) {
   if (!session_) return;
   session_->finish();
   pull(now_);
+}
+
+Result<void> LivePipeline::check_used(std::string_view format) const {
+  if (statistics().robot_frames > 0) return {};
+  if (packets_.packets == 0) return input_failure("stdin", "the input has no packets");
+  std::string why = fmt::format("no frame of the stream is usable: {} of {} malformed",
+                                packets_.malformed, count_text(packets_.packets, "packet"));
+  if (!malformed_why_.empty()) why += ", the first one: " + printable(malformed_why_);
+  if (!session_ && !refused_why_.empty()) why += "; no human: " + refused_why_;
+  if (!session_ && calibrates_) why += "; the input ended before the calibration";
+  const std::string_view likely = likely_format(malformed_head_);
+  if (likely.empty() || likely == format) return input_failure("stdin", why);
+  return input_failure("stdin", why,
+                       fmt::format("the input looks like {0}: use stdin?format={0}", likely));
 }
 
 LiveStatistics LivePipeline::statistics() const {
@@ -330,6 +352,7 @@ void LivePipeline::adopt(const BodyTask& task, Result<MadeBody> made) {
 void LivePipeline::refuse(const BodyTask& task, const Error& why) {
   ++packets_.refused_skeletons;
   const std::string text = full_message(why);
+  refused_why_ = text;
   if (task.is_posed && session_) {
     tell_("body", "remains unchanged: " + text);
     return;

@@ -72,6 +72,10 @@ class LivePipeline final {
   /// Ends the input and emits the remaining frames.
   void finish(double now);
 
+  /// Why an input that has ended gave no robot frame; no error if it gave any.
+  /// @param format  name of the stream's format.
+  [[nodiscard]] Result<void> check_used(std::string_view format) const;
+
   [[nodiscard]] const PipelineStatistics& packets() const { return packets_; }
   [[nodiscard]] LiveStatistics statistics() const;
   [[nodiscard]] LiveState state() const {
@@ -81,6 +85,7 @@ class LivePipeline final {
 
  private:
   void know_up(const std::optional<Eigen::Vector3d>& up);
+  void note_malformed(std::string_view bytes, const std::string& why);
   void restore_used_skeleton();
   [[nodiscard]] bool continues_old_body(std::string_view bytes);
   Result<void> use_items();
@@ -135,6 +140,8 @@ class LivePipeline final {
   std::optional<Error> error_;
   PipelineStatistics packets_;
   HumanFrame human_;
+  std::string malformed_why_, malformed_head_;  // Of the first malformed packet.
+  std::string refused_why_;                     // Of the latest refused skeleton.
   bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
        jump_reported_ = false;
   bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false,

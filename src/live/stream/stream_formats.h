@@ -113,6 +113,9 @@ struct StreamFormat {
 /// name.
 [[nodiscard]] Result<const StreamFormat*> find_stream_format(const std::string& name);
 
+/// Name of the format that a packet appears to have, judged by its beginning; empty: unknown.
+[[nodiscard]] std::string_view likely_format(std::string_view packet);
+
 // Rows of the table of formats.
 
 [[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
