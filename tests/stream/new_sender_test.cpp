@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -147,6 +148,31 @@ TEST(InputPace, InterpolatesGaps) {
       if (i == 0) continue;
       ASSERT_LT(run.frames[i].time - run.frames[i - 1].time, 0.031) << missing << ", " << i;
     }
+  }
+}
+
+TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
+  const Clip clip = sample_clip("walk");
+  struct Stamps {
+    double begin, step;
+    const char* told;
+  };
+  for (const auto& [begin, step, told] : {Stamps{0.0, 1.0 / 30.0, ""},
+                                          {5.0, 0.0, "the timestamps stay at 5"},
+                                          {9.0, -0.03, "the timestamps fall"},
+                                          {0.0, 33.0, "look like milliseconds"},
+                                          {1e6, 8333.0, "look like microseconds"},
+                                          {0.0, 1.0 / 120.0, ""}}) {
+    SentStream run(LivePace::kInput);
+    const auto encoder = make_line_encoder();
+    run.send(encoder->begin(clip), 0.0);
+    for (int i = 0; i < 60; ++i) {
+      auto line = nlohmann::json::parse(encoder->frame(clip, i).value());
+      line["time"] = begin + step * i;
+      run.send(line.dump(), 0.001 * i);
+    }
+    EXPECT_EQ(run.is_told("the timestamps"), told[0] != 0) << run.told;
+    EXPECT_TRUE(run.is_told(told)) << run.told;
   }
 }
 

@@ -267,8 +267,9 @@ Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
   if (json.contains("time")) {
     const PacketJson& time = json["time"];
     constexpr double kMaxTime = 1e12;
-    if (!time.is_number() || std::abs(time.get<double>()) > kMaxTime) {
-      return bad_line("\"time\" must be a number of seconds");
+    if (!time.is_number()) return bad_line("\"time\" must be a number of seconds");
+    if (std::abs(time.get<double>()) > kMaxTime) {
+      return bad_line(fmt::format("\"time\" must be in seconds, found {:g}", time.get<double>()));
     }
     frame_.time = time.get<double>();
   }

@@ -213,8 +213,7 @@ void LivePipeline::finish(double now) {
 }
 
 Result<void> LivePipeline::check_used(std::string_view format) const {
-  if (statistics().robot_frames > 0) return {};
-  if (packets_.packets == 0) return input_failure("stdin", "the input has no packets");
+  if (statistics().robot_frames > 0 || packets_.packets == 0) return {};
   std::string why = fmt::format("no frame of the stream is usable: {} of {} malformed",
                                 packets_.malformed, count_text(packets_.packets, "packet"));
   if (!malformed_why_.empty()) why += ", the first one: " + printable(malformed_why_);
@@ -415,6 +414,13 @@ double LivePipeline::time_of(const StreamFrame& frame) const {
   return is_declared && !std::isfinite(frame.time) ? frame.declared : frame.time;
 }
 
+void LivePipeline::watch_stamp(double stamp) {
+  if (!std::isfinite(stamp) || options_.live.clock == LiveClock::kArrival) return;
+  if (const std::string fault = stamps_.add(stamp, wall_); !fault.empty()) {
+    warn_once(stamps_reported_, "stream", fault);
+  }
+}
+
 // Advances the time by the timestamps; if they jump, by one robot frame.
 void LivePipeline::pass_time(double stamp) {
   constexpr double kMostStep = 10.0, kReordered = 0.5;  // seconds
@@ -441,6 +447,7 @@ void LivePipeline::take_frame(const StreamFrame& frame) {
     return;
   }
   const double time = time_of(frame);
+  watch_stamp(time);
   if (options_.pace == LivePace::kInput) {
     const double before = now_;
     pass_time(time);

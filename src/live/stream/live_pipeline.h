@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "live/stream/stamp_faults.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "live/stream/untimed_frames.h"
@@ -72,7 +73,8 @@ class LivePipeline final {
   /// Ends the input and emits the remaining frames.
   void finish(double now);
 
-  /// Why an input that has ended gave no robot frame; no error if it gave any.
+  /// Why the packets of an input that has ended gave no robot frame; no error if they gave any, or
+  /// if there are none.
   /// @param format  name of the stream's format.
   [[nodiscard]] Result<void> check_used(std::string_view format) const;
 
@@ -102,6 +104,7 @@ class LivePipeline final {
   [[nodiscard]] bool is_of_received_body(const StreamFrame& frame) const;
   [[nodiscard]] bool is_foreign();
   [[nodiscard]] double time_of(const StreamFrame& frame) const;
+  void watch_stamp(double stamp);
   void pass_time(double stamp);
   void pull(double until);
   void warn_once(bool& warned, std::string_view label, std::string_view text) const;
@@ -137,6 +140,7 @@ class LivePipeline final {
   double wall_ = 0.0;
   std::optional<double> stamp_;  // Last timestamp, if timestamps are the clock.
   UntimedFrames untimed_;
+  StampFaults stamps_;
   std::optional<Error> error_;
   PipelineStatistics packets_;
   HumanFrame human_;
@@ -145,7 +149,7 @@ class LivePipeline final {
   bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
        jump_reported_ = false;
   bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false,
-       file_reported_ = false;
+       file_reported_ = false, stamps_reported_ = false;
 };
 
 }  // namespace retarget

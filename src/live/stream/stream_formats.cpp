@@ -159,7 +159,9 @@ std::string_view likely_format(std::string_view packet) {
   if (has("\"skeleton\"")) return "lines";
   if (has("\"scene\"") || has("\"actors\"")) return "rokoko";
   if (has("\"timeStampNs\"") || has("\"functionName\"")) return "xrobot";
-  if (has("\"body_pose\"") || has("\"pose_body\"") || has("\"poses\"") || has("\"betas\"")) {
+  if (has("\"body_pose\"") || has("\"pose_body\"") || has("\"poses\"") ||
+      has("\"global_orient\"") || has("\"root_orient\"") || has("\"rest_offsets\"") ||
+      has("\"betas\"")) {
     return "smplx";
   }
   return {};
