@@ -250,7 +250,7 @@ TEST(NewSender, FramesWaitForItsSkeleton) {
   }
 }
 
-// The same motion with other joint axes, so that the zero pose is no pose of a human.
+// The same motion with other joint axes, so that the zero pose is not human.
 Clip with_other_axes(const Clip& clip) {
   std::vector<Joint> joints = clip.skeleton().joints();
   std::vector<Eigen::Quaterniond> old_from_new;
@@ -278,8 +278,8 @@ Clip with_other_axes(const Clip& clip) {
   return made;
 }
 
-// The zero pose of a skeleton says nothing about the performer: the first frame calibrates a body
-// that replaces another, as it does the first body.
+// The zero pose of a skeleton may be folded up: the first frame calibrates a body that replaces
+// another, as it does the first body.
 TEST(NewSender, IsCalibratedByItsFirstFrame) {
   const Clip before = sample_clip("walk");
   const Clip clip = with_other_axes(sample_clip("squat"));

@@ -216,7 +216,7 @@ Failure unknown_words(const CLI::App& app) {
   const std::vector<std::string> words = app.remaining(true);
   for (const std::string& word : words) {
     if (!word.starts_with('-')) continue;
-    const std::string name = word.substr(0, word.find('=')).substr(word.starts_with("--") ? 2 : 1);
+    const std::string name = word.substr(word.starts_with("--") ? 2 : 1);
     if (std::ranges::find(positional, name) != positional.end()) {
       return positional_as_option(command, word, name);
     }
