@@ -43,7 +43,8 @@ class RobotFrame:
     index: int
     """Index of the robot frame, from 0."""
     time: float
-    """Time of its human pose on the sender's clock, seconds."""
+    """Time of its human pose, seconds. It starts on the sender's clock and continues evenly if
+    that clock jumps."""
     state: str
     """`following`, `holding` (frames are missing) or `standing` (they are missing for long)."""
     qpos: np.ndarray

@@ -27,6 +27,9 @@ OptionTable live_keywords(LiveKeywords& options) {
   // A rate is a number here, and a text or a number in other functions, so it is a separate
   // argument.
   OptionTable table = without(live_table(options.live), {"fps"});
+  for (Option& row : recorded_serve_table(options.serve)) {
+    if (row.name == "plain") table.push_back(std::move(row));
+  }
   append(table, rows_for(OptionUse::kLive, solve_table(options.run.solve)));
   append(table, rows_for(OptionUse::kLive, human_table(options.run.human)));
   return table;
@@ -168,6 +171,9 @@ void open_live(PythonLive* self, const ClipHandle& clip, const RobotHandle& robo
   std::vector<std::string> names;
   apply_keywords(noting_given(live_keywords(given), names), options);
   value_of(check_live_use(given.live, given.run, names));
+  if (given.serve.plain) {
+    given.live.limit_speeds = given.live.floor = given.live.hold_feet = false;
+  }
   // The clip calibrates the body; all of its frames may do so.
   given.run.part.lead_in = LeadIn::kKeep;
   const Plan plan = without_gil([&] { return make_plan(*clip, robot.loaded, given.run); });

@@ -5,6 +5,7 @@
 #include "retarget/live.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
+#include "retarget/serve_table.h"
 
 namespace retarget::python {
 
@@ -12,6 +13,7 @@ namespace retarget::python {
 struct LiveKeywords {
   LiveOptions live;
   Options run;
+  ServeRequest serve;  ///< Only `plain` is used.
 };
 
 /// Returns the options of live except the robot and the rate.

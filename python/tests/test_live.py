@@ -57,6 +57,21 @@ def test_a_pause_of_the_program_is_no_burst(walk: retarget.Clip, g1: retarget.Ro
         assert session.statistics["missed"] >= 1000
 
 
+def test_plain_follows_without_limits(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    def root_heights(**options: bool) -> list[float]:
+        with retarget.live(walk, g1, fps=walk.fps, method="gmr", **options) as session:
+            frames = []
+            for i in range(60):
+                now = i / walk.fps
+                frames += session.push(walk.local_rotations_wxyz[i], walk.local_positions[i],
+                                       time=now, now=now)
+        return [frame.qpos[2] for frame in frames]
+
+    offline = retarget.to_robot(walk, g1, method="gmr", fps="source")
+    assert root_heights(plain=True) == pytest.approx(offline.root_position[:60, 2], abs=1e-9)
+    assert root_heights() != pytest.approx(offline.root_position[:60, 2], abs=1e-9)
+
+
 def test_options_without_an_effect(walk: retarget.Clip, g1: retarget.Robot, data: Path,
                                    tmp_path: Path) -> None:
     with pytest.raises(retarget.UsageError, match="lag requires mode lag"):

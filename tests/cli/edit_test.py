@@ -83,6 +83,8 @@ class Edit(ToolTest):
         self.assertIsNone(difference([row[:3] for row in twice], [row[:3] for row in expected], 1e-6))
         self.assert_fails(self.run_tool("edit", "move", walk, "1", "-o", "x.bvh"), 2, "X,Y")
         self.assert_fails(self.run_tool("edit", "turn", walk, "left", "-o", "x.bvh"), 2, "left")
+        self.assert_fails(self.run_tool("edit", "turn", walk, "--degrees", "37", "-o", "x.bvh"), 2,
+                          "degrees is given without a name", "retarget edit turn file degrees")
 
     def in_other_unit(self, bvh, factor):
         """Scales all lengths of a file."""

@@ -119,6 +119,17 @@ class Pipes(OptionsTest):
                                          [frame["joints"] for frame in played], 1e-6))
             self.assertNotIn("no timestamps", messages)
 
+    def test_a_pipe_without_a_usable_frame_is_an_error(self):
+        walk = sample("walk").read_text()
+        rows = walk.count("\n")
+        for text, address, messages in (
+                (walk, "stdin", [f"{rows} of {rows} packets malformed", "looks like bvh: use stdin?format=bvh"]),
+                (self.played("rokoko", "walk"), "stdin", ["looks like rokoko: use stdin?format=rokoko"]),
+                (self.played("lines", "walk"), "stdin?format=bvh", ["looks like lines: use stdin?format=lines"]),
+                (self.played("smplx", "walk"), "stdin?format=xrobot", ["looks like smplx: use stdin?format=smplx"])):
+            result = self.live(text, "--input", address, "-o", "live.csv")
+            self.assert_fails(result, 3, "no frame of the stream is usable", *messages)
+
     def test_frames_without_any_times(self):
         lines = []
         for line in self.played("lines", "walk").splitlines():

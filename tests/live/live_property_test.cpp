@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <deque>
 #include <string>
+#include <utility>
 
 #include "live/random_stream.h"
 #include "retarget/so3.h"
@@ -16,6 +17,7 @@ namespace retarget {
 namespace {
 
 constexpr double kRounding = 1e-6;
+constexpr double kLongestStep = 1.6;  // Frames; a longer one is a pause of the process.
 
 std::int64_t from_environment(const char* name, std::int64_t usual) {
   const char* text = std::getenv(name);
@@ -29,6 +31,7 @@ class Watcher {
       : robot_(*plan.robot.robot), plan_(plan), options_(options), frame_(1.0 / options.fps) {
     const std::size_t joints = robot_.joints().size();
     now_.velocity.assign(joints, 0.0);
+    seconds_ = frame_;
     before_ = now_;
   }
 
@@ -74,7 +77,7 @@ class Watcher {
   std::string see_time(const RobotFrame& frame) {
     const double gap = frame.due - due_;
     if (gap < 0.4 * frame_) return "two frames too near";
-    if (!stopped_ && gap > 1.6 * frame_) return "a gap of " + std::to_string(gap) + " s";
+    if (!stopped_ && gap > kLongestStep * frame_) return "a gap of " + std::to_string(gap) + " s";
     latest_.push_back(frame.due);
     while (latest_.front() <= frame.due - 1.0) latest_.pop_front();
     if (static_cast<double>(latest_.size()) > 1.01 * options_.fps + 2.0) {
@@ -88,27 +91,31 @@ class Watcher {
     return std::min(full, first + (full - first) * (due - begin_) / options_.limits.resume_s);
   }
 
-  // Speed and its change are bounded; a joint that is too fast brakes.
-  static std::string bounded(const std::string& what, double speed, double before, double change,
-                             double most_speed, double most_change) {
+  // Speed and its change are bounded in real time; a joint that is too fast brakes. The speed is
+  // bounded for evenly spaced frames as well.
+  [[nodiscard]] std::string bounded(const std::string& what, double speed, double before,
+                                    double change, double most_speed, double most_change) const {
     if (change > most_change + kRounding * 1e3) {
       return what + " changes by " + std::to_string(change) + " of " + std::to_string(most_change);
     }
-    if (speed > std::max(most_speed, before - most_change) + kRounding * 1e2) {
+    const double even = std::min(frame_, seconds_) / seconds_;
+    if (speed > std::max(even * most_speed, before - most_change) + kRounding * 1e2) {
       return what + " moves with " + std::to_string(speed) + " of " + std::to_string(most_speed);
     }
     return {};
   }
 
   std::string see_motion(const RobotFrame& frame, int interruptions) {
-    const double seconds = std::min(frame_, frame.due - due_);
+    const double gap = frame.due - due_;
+    const double seconds = gap <= kLongestStep * frame_ ? gap : frame_;
+    const double apart = 0.5 * (std::exchange(seconds_, seconds) + seconds);
     // It resumes gently from its position; the ramp begins with the first frame after an
     // interruption.
     const bool stands = frame.state == LiveState::kStanding && state_ != LiveState::kStanding;
     if (stands || (interruptions != interruptions_ && frame.state == LiveState::kFollowing) ||
         (state_ != LiveState::kFollowing && frame.state == LiveState::kFollowing &&
          options_.mode == LiveMode::kFrame)) {
-      begin_ = frame.due - seconds;
+      begin_ = frame.due - std::min(seconds, frame_);
     }
     std::swap(now_, before_);
     const LiveLimits& limits = options_.limits;
@@ -120,7 +127,7 @@ class Watcher {
       const std::string wrong = bounded(
           robot_.joints()[j].name, std::abs(now_.velocity[j]), std::abs(before_.velocity[j]),
           std::abs(now_.velocity[j] - before_.velocity[j]),
-          ramped(limits.resume_joint_speed, full, frame.due), limits.joint_acceleration * seconds);
+          ramped(limits.resume_joint_speed, full, frame.due), limits.joint_acceleration * apart);
       if (!wrong.empty()) return wrong;
     }
     const Eigen::Map<const Eigen::Vector3d> a(qpos_.data()), b(frame.qpos.data());
@@ -128,7 +135,7 @@ class Watcher {
     std::string wrong = bounded("the root", now_.root.norm(), before_.root.norm(),
                                 (now_.root - before_.root).norm(),
                                 ramped(limits.resume_root_speed, limits.root_speed, frame.due),
-                                limits.root_acceleration * seconds);
+                                limits.root_acceleration * apart);
     if (!wrong.empty()) return wrong;
     const Eigen::Quaterniond from(qpos_[3], qpos_[4], qpos_[5], qpos_[6]);
     const Eigen::Quaterniond to(frame.qpos[3], frame.qpos[4], frame.qpos[5], frame.qpos[6]);
@@ -136,7 +143,7 @@ class Watcher {
     return bounded("the root's rotation", now_.turn.norm(), before_.turn.norm(),
                    (now_.turn - before_.turn).norm(),
                    ramped(limits.resume_turn_speed, limits.turn_speed, frame.due),
-                   limits.turn_acceleration * seconds);
+                   limits.turn_acceleration * apart);
   }
 
   const Robot& robot_;
@@ -147,6 +154,7 @@ class Watcher {
   std::vector<double> qpos_;
   std::deque<double> latest_;
   double due_ = 0.0, begin_ = -1.0;
+  double seconds_ = 0.0;  // Duration of the latest step.
   LiveState state_ = LiveState::kWaiting;
   int interruptions_ = 0;
   std::int64_t count_ = 0;

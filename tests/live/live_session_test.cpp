@@ -92,6 +92,45 @@ TEST(LiveFrames, StartUpsideDown) {
   }
 }
 
+// The times of a session's robot frames, with a pause of the human after half of the clip.
+std::vector<double> times_of(LiveSession& session, const HumanClip& human, double pause) {
+  std::vector<double> times;
+  const auto take = [&](double now) {
+    while (const auto frame = session.pull(now)) times.push_back(frame->time);
+  };
+  double now = 0.0;
+  for (int i = 0; i < human.frame_count; ++i) {
+    now = human.rate.time_of(i) + (2 * i < human.frame_count ? 0.0 : pause);
+    take(now - 2e-6);
+    session.push({now, human.frame(i)}, now);
+    take(now);
+  }
+  session.finish();
+  take(now);
+  return times;
+}
+
+// Also while the window fills and empties.
+TEST(LiveLag, FramesTellTheTimesOfTheirPoses) {
+  const Plan plan = sample_plan("wave", Method::kFit);
+  const HumanClip human = human_of(plan);
+  LiveSession session = session_of(plan, with_lag(human.rate.fps(), kLongLag));
+  const std::vector<double> times = times_of(session, human, 0.0);
+  ASSERT_EQ(static_cast<int>(times.size()), human.frame_count);
+  for (int i = 0; i < human.frame_count; ++i) {
+    EXPECT_NEAR(times[static_cast<std::size_t>(i)], human.rate.time_of(i), 1e-9) << i;
+  }
+}
+
+TEST(LiveLag, TimesContinueAfterAPause) {
+  const Plan plan = sample_plan("wave", Method::kFit);
+  const HumanClip human = human_of(plan);
+  LiveSession session = session_of(plan, with_lag(50.0, 0.2));
+  const std::vector<double> times = times_of(session, human, 1.0);
+  EXPECT_TRUE(std::ranges::is_sorted(times));
+  EXPECT_NEAR(times.back(), human.rate.time_of(human.frame_count - 1) + 1.0, 0.02);
+}
+
 TEST(LiveFrames, AllocateNothing) {
   const Plan plan = sample_plan("walk", Method::kFit);
   LiveOptions options;

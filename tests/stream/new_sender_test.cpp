@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/load.h"
@@ -130,6 +132,50 @@ TEST(InputPace, HoldsThePoseInAGapOfTheTimes) {
   EXPECT_NEAR(static_cast<double>(held), 43.0, 3.0);
 }
 
+// Frames are missing for up to a quarter of a second, whatever the rate of the others.
+TEST(InputPace, InterpolatesGaps) {
+  const Clip clip = resample(sample_clip("walk"), frame_rate_from_fps(120.0)).value();
+  for (const int missing : {10, 20, 25, 28}) {
+    SentStream run(LivePace::kInput);
+    const auto encoder = make_line_encoder();
+    run.send(encoder->begin(clip), 0.0);
+    for (int i = 0; i < 480; ++i) {
+      if (i <= 200 || i > 200 + missing) run.send(encoder->frame(clip, i).value(), 0.0);
+    }
+    run.pipeline.finish(0.0);
+    for (std::size_t i = 0; i < run.frames.size(); ++i) {
+      ASSERT_EQ(run.frames[i].state, LiveState::kFollowing) << missing << ", " << i;
+      if (i == 0) continue;
+      ASSERT_LT(run.frames[i].time - run.frames[i - 1].time, 0.031) << missing << ", " << i;
+    }
+  }
+}
+
+TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
+  const Clip clip = sample_clip("walk");
+  struct Stamps {
+    double begin, step;
+    const char* told;
+  };
+  for (const auto& [begin, step, told] : {Stamps{0.0, 1.0 / 30.0, ""},
+                                          {5.0, 0.0, "the timestamps stay at 5"},
+                                          {9.0, -0.03, "the timestamps fall"},
+                                          {0.0, 33.0, "look like milliseconds"},
+                                          {1e6, 8333.0, "look like microseconds"},
+                                          {0.0, 1.0 / 120.0, ""}}) {
+    SentStream run(LivePace::kInput);
+    const auto encoder = make_line_encoder();
+    run.send(encoder->begin(clip), 0.0);
+    for (int i = 0; i < 60; ++i) {
+      auto line = nlohmann::json::parse(encoder->frame(clip, i).value());
+      line["time"] = begin + step * i;
+      run.send(line.dump(), 0.001 * i);
+    }
+    EXPECT_EQ(run.is_told("the timestamps"), told[0] != 0) << run.told;
+    EXPECT_TRUE(run.is_told(told)) << run.told;
+  }
+}
+
 TEST(InputPace, WarnsOfFramesWithoutTimes) {
   const Clip clip = sample_clip("walk");
   const auto encoder = make_bvh_row_encoder();
@@ -204,6 +250,65 @@ TEST(NewSender, FramesWaitForItsSkeleton) {
   }
 }
 
+// The same motion with other joint axes, so that the zero pose is not human.
+Clip with_other_axes(const Clip& clip) {
+  std::vector<Joint> joints = clip.skeleton().joints();
+  std::vector<Eigen::Quaterniond> old_from_new;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const double angle = 0.3 + 0.7 * static_cast<double>(j % 5);
+    const Eigen::Vector3d axis(1.0, 0.5 * static_cast<double>(j % 3), -0.4);
+    old_from_new.emplace_back(Eigen::AngleAxisd(angle, axis.normalized()));
+  }
+  const auto parent_turn = [&](std::size_t j) {
+    return joints[j].parent < 0 ? Eigen::Quaterniond::Identity()
+                                : old_from_new[static_cast<std::size_t>(joints[j].parent)];
+  };
+  Clip turned = clip;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Eigen::Quaterniond parent = parent_turn(j);
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      turned.rotations(frame)[j] = parent.conjugate() * clip.rotations(frame)[j] * old_from_new[j];
+    }
+    joints[j].offset = parent.conjugate() * joints[j].offset;
+    for (Eigen::Vector3d& end : joints[j].end_sites) end = old_from_new[j].conjugate() * end;
+  }
+  Clip made(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) copy_frame(turned, frame, made, frame);
+  made.set_origin(clip.origin());
+  return made;
+}
+
+// The zero pose of a skeleton may be folded up: the first frame calibrates a body that replaces
+// another, as it does the first body.
+TEST(NewSender, IsCalibratedByItsFirstFrame) {
+  const Clip before = sample_clip("walk");
+  const Clip clip = with_other_axes(sample_clip("squat"));
+  for (const auto& [pace, format] : {std::pair{LivePace::kClock, "bvh"},
+                                     {LivePace::kInput, "bvh"},
+                                     {LivePace::kInput, "lines"}}) {
+    const std::string address = "stdin?format=" + std::string(format);
+    SentStream alone(LivePace::kInput, address.c_str());
+    SentStream after(pace, address.c_str());
+    const auto first = (*find_stream_format(format))->encoder();
+    const auto second = (*find_stream_format(format))->encoder();
+    alone.send(second->begin(clip), 0.0);
+    after.send(first->begin(before), 0.0);
+    for (int i = 0; i < 60; ++i) after.send(first->frame(before, i).value(), i / 30.0);
+    after.send(second->begin(clip), 2.0);
+    for (int i = 0; i < clip.frame_count(); ++i) {
+      alone.send(second->frame(clip, i).value(), i / 30.0);
+      after.send(second->frame(clip, i).value(), 2.1 + i / 30.0);
+      if (i == 5) after.pipeline.take_body(2.1 + i / 30.0);
+    }
+    alone.pipeline.finish(0.0);
+    after.pipeline.finish(0.0);
+    ASSERT_EQ(after.frames.back().state, LiveState::kFollowing);
+    for (std::size_t j = 7; j < alone.frames.back().qpos.size(); ++j) {
+      EXPECT_NEAR(after.frames.back().qpos[j], alone.frames.back().qpos[j], 0.02) << j;
+    }
+  }
+}
+
 TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
   const Clip clip = sample_clip("walk");
   SentStream run(LivePace::kClock, "udp:1?format=bvh");
@@ -215,6 +320,26 @@ TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
   run.send(encoder->frame(clip, 1).value(), 2.0);
   EXPECT_EQ(run.pipeline.packets().foreign, 0);
   EXPECT_EQ(run.pipeline.statistics().received, 2);
+}
+
+TEST(NewSender, MayHaveOtherJointsThanTheUsersSkeleton) {
+  const Clip clip = sample_clip("walk");
+  const Clip bones = clip_of_human_bones(clip, {}, RETARGET_SOURCE_DIR).value();
+  for (const char* format : {"rokoko", "smplx", "xrobot", "lines", "bvh"}) {
+    const std::string address = "stdin?format=" + std::string(format);
+    const bool has_own_names = (*find_stream_format(format))->plays_human == nullptr;
+    const Clip& sent = has_own_names ? clip : bones;
+    SentStream run(LivePace::kInput, address.c_str());
+    ASSERT_TRUE(run.pipeline.know_skeleton(clip));
+    const auto encoder = (*find_stream_format(format))->encoder();
+    run.send(encoder->begin(sent), 0.0);
+    for (int i = 0; i < 60; ++i) run.send(encoder->frame(sent, i).value(), i / 30.0);
+    run.pipeline.finish(2.0);
+    EXPECT_GT(run.frames.size(), 90U) << format;
+    EXPECT_EQ(run.pipeline.statistics().interruptions, 0) << format;
+    EXPECT_EQ(run.is_told("own skeleton is used instead of"), !has_own_names) << format;
+    EXPECT_EQ(run.is_told("no joint \"Hips\""), !has_own_names) << format << run.told;
+  }
 }
 
 TEST(NewSender, ABodyIsLikeAnotherInTheSameUnit) {

@@ -192,13 +192,34 @@ Result<void> check_given(const CLI::App& app) {
   return check_needs(needs, robot_or_options_hint(command, words_of(command)));
 }
 
+namespace {
+
+// A positional argument that was written as an option: `--degrees 37`.
+Failure positional_as_option(const CLI::App& command, const std::string& word,
+                             const std::string& name) {
+  std::string usage = call_of(command);
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_positional()) usage += " " + option->get_name();
+  }
+  return usage_failure("unknown option " + word + ": " + name + " is given without a name",
+                       usage + "; " + options_hint(command));
+}
+
+}  // namespace
+
 Failure unknown_words(const CLI::App& app) {
   const CLI::App& command = given_command(app);
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command.get_options()) known.push_back(option->get_name());
+  std::vector<std::string> known, positional;
+  for (const CLI::Option* option : command.get_options()) {
+    (option->get_positional() ? positional : known).push_back(option->get_name());
+  }
   const std::vector<std::string> words = app.remaining(true);
   for (const std::string& word : words) {
     if (!word.starts_with('-')) continue;
+    const std::string name = word.substr(word.starts_with("--") ? 2 : 1);
+    if (std::ranges::find(positional, name) != positional.end()) {
+      return positional_as_option(command, word, name);
+    }
     return usage_failure("unknown option " + word + did_you_mean(word, known),
                          options_hint(command));
   }

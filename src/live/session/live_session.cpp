@@ -59,7 +59,7 @@ class LiveSession::Impl {
         limiter_(*plan.robot.robot, plan.limits, plan.fit, options.limits, rate_.frame_time()),
         wanted_(plan.robot.robot->zero_configuration()),
         standing_(*plan.robot.robot, plan.limits) {
-    shown_times_.resize(static_cast<std::size_t>(solver_->window_frames()));
+    window_times_.resize(static_cast<std::size_t>(solver_->window_frames()));
   }
 
   void push(const HumanFrame& frame, double now);
@@ -86,7 +86,7 @@ class LiveSession::Impl {
   RobotFrame show(const Playout::Slot& slot, LiveState state);
   [[nodiscard]] bool has_window() const { return solver_->window_frames() > 0; }
   void limit(const Playout::Slot& slot, LiveState state);
-  double shown_time(double time);
+  void take_window_time();
   std::optional<RobotFrame> show_rest();
   void note(const Playout::Slot& slot);
 
@@ -109,8 +109,9 @@ class LiveSession::Impl {
   double settled_ = -std::numeric_limits<double>::infinity();  // Last multi-start search.
   // Session time and arrival of the last frame that was not newer than all frames before it.
   std::optional<std::pair<double, double>> older_;
-  std::vector<double> shown_times_;  // Times of the frames in the window, as a ring buffer.
-  std::int64_t fed_ = 0;
+  std::vector<double> window_times_;  // Times of the frames in the window, as a ring buffer.
+  std::size_t fed_ = 0, left_ = 0;    // Frames that entered and left the window.
+  double window_time_ = 0.0;          // Of the frame that left the window last.
 };
 
 void LiveSession::Impl::push(const HumanFrame& frame, double now) {
@@ -246,10 +247,11 @@ bool LiveSession::Impl::feed(const HumanPose& human) {
     return limiter_.has_begun();
   }
   if (has_window()) {
-    shown_times_[static_cast<std::size_t>(fed_++) % shown_times_.size()] = playout_.time();
+    window_times_[fed_++ % window_times_.size()] = playout_.time();
     statistics_.failed_steps += solver_->take_failed_steps();
   }
   if (outcome == OnlineSolver::Outcome::kFilling) return false;
+  take_window_time();
   std::ranges::copy(solver_->qpos(), wanted_.begin());
   return true;
 }
@@ -275,7 +277,7 @@ void LiveSession::Impl::interrupt(double now) {
   const bool settles = now - settled_ >= kSeldom;
   if (settles) settled_ = now;
   solver_->restart(settles);
-  fed_ = 0;
+  fed_ = left_ = 0;
   limiter_.set_off_slowly();
   if (limiter_.has_begun()) std::ranges::copy(limiter_.qpos(), wanted_.begin());
 }
@@ -302,18 +304,16 @@ RobotFrame LiveSession::Impl::show(const Playout::Slot& slot, LiveState state) {
   limit(slot, state);
   if (state != LiveState::kFollowing) ++statistics_.held;
   return {statistics_.robot_frames++,
-          shown_time(slot.time),
+          has_window() ? window_time_ : slot.time,
           state,
           limiter_.qpos(),
           slot.at,
           slot.since};
 }
 
-// Session time of the pose that leaves the window when a pose of the given time enters.
-double LiveSession::Impl::shown_time(double time) {
-  if (!has_window()) return time;
-  const auto window = static_cast<std::int64_t>(shown_times_.size());
-  return fed_ < window ? time : shown_times_[static_cast<std::size_t>(fed_ % window)];
+// A pose leaves the window. Until the next one leaves, the robot shows its time.
+void LiveSession::Impl::take_window_time() {
+  if (has_window()) window_time_ = window_times_[left_++ % window_times_.size()];
 }
 
 // Returns the remaining frames: first those received but not shown, then those of the window.
@@ -330,8 +330,8 @@ std::optional<RobotFrame> LiveSession::Impl::show_rest() {
     statistics_.failed_steps += solver_->take_failed_steps();
     if (!has_rest) return std::nullopt;
     std::ranges::copy(solver_->qpos(), wanted_.begin());
-    ++fed_;
-    return show(slot, LiveState::kFollowing);
+    take_window_time();
+    return show(playout_.take_rest(), LiveState::kFollowing);
   }
 }
 
@@ -346,7 +346,7 @@ void LiveSession::Impl::reset() {
   has_human_ = finished_ = begun_ = absent_ = catches_up_ = false;
   older_.reset();
   settled_ = -std::numeric_limits<double>::infinity();
-  fed_ = 0;
+  fed_ = left_ = 0;
 }
 
 void LiveSession::Impl::recalibrate(std::unique_ptr<OnlineSolver> solver) {
@@ -356,7 +356,8 @@ void LiveSession::Impl::recalibrate(std::unique_ptr<OnlineSolver> solver) {
   older_.reset();
   playout_.cut();
   has_human_ = false;
-  ++statistics_.interruptions;
+  // Before the first frame there is nothing to interrupt.
+  if (begun_) ++statistics_.interruptions;
   // The first frame of the new body is solved from several starts.
   settled_ = -std::numeric_limits<double>::infinity();
   absent_ = true;

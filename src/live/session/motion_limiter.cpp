@@ -27,12 +27,26 @@ double below_printed(double step) {
   return std::max(step - kPrintedDigits, kPrintedShare * step);
 }
 
+Vector3d shortened(Vector3d vector, double most) {
+  if (const double length = vector.norm(); length > most) vector *= most / length;
+  return vector;
+}
+
+// Maximum speed towards a limit such that the joint can stop at the limit, whatever durations the
+// later steps have: it brakes from the middle of this step.
+double last_braking_speed(double distance, double acceleration, double seconds) {
+  if (distance <= 0.0) return 0.0;
+  const double half = 0.5 * acceleration * seconds;
+  return std::max(std::sqrt(2.0 * acceleration * distance) - half,
+                  std::min(distance / seconds, half));
+}
+
 Quaterniond rotation_of(std::span<const double> qpos) {
   return {qpos[3], qpos[4], qpos[5], qpos[6]};
 }
 
-// Maximum speed towards a limit at the given distance, such that the joint stops at the limit:
-// either by braking after the next step, or in one step right after this one.
+// Maximum speed towards a limit at the given distance, such that the joint stops at the limit if
+// steps are even: either by braking after the next step, or in one step right after this one.
 double braking_speed(double distance, double acceleration, double seconds, double shortest) {
   if (distance <= 0.0) return 0.0;
   const double braked =
@@ -84,7 +98,9 @@ void StandingPose::place(std::span<const double> qpos) {
 MotionLimiter::MotionLimiter(const Robot& robot, const LimitSet& limits, const FitOptions& fit,
                              const LiveLimits& bounds, double frame_time)
     : bounds_(bounds),
+      frame_time_(frame_time),
       shortest_(kShortestStep * frame_time),
+      before_(frame_time),
       position_{bounds.root_speed, bounds.resume_root_speed, bounds.root_acceleration},
       rotation_{bounds.turn_speed, bounds.resume_turn_speed, bounds.turn_acceleration},
       now_(static_cast<std::size_t>(robot.configuration_size()), 0.0),
@@ -113,7 +129,12 @@ MotionLimiter::MotionLimiter(const Robot& robot, const LimitSet& limits, const F
 
 void MotionLimiter::reset() {
   begun_ = has_goal_ = false;
+  before_ = frame_time_;
   since_.reset();
+}
+
+bool MotionLimiter::is_uneven(double seconds) const {
+  return seconds != frame_time_ || before_ != frame_time_;
 }
 
 void MotionLimiter::set_off_slowly() {
@@ -128,6 +149,11 @@ double MotionLimiter::ramped(double first, double full) const {
 
 double MotionLimiter::ramped_acceleration(double full) const {
   return ramped(kFirstAcceleration * full, full);
+}
+
+// The longest step at a speed, in its own duration as well as in that of a frame.
+double MotionLimiter::most_step(double speed, double seconds) const {
+  return below_printed(speed * std::min(seconds, frame_time_));
 }
 
 void MotionLimiter::take(std::span<const double> wanted, double seconds) {
@@ -148,6 +174,7 @@ void MotionLimiter::take(std::span<const double> wanted, double seconds) {
   }
   if (begun_) align_sign(before, Eigen::Map<Eigen::Vector4d>(now_.data() + 3));
   std::ranges::copy(wanted, goal_.begin());
+  before_ = begun_ ? seconds : frame_time_;
   begun_ = has_goal_ = true;
 }
 
@@ -161,7 +188,7 @@ bool MotionLimiter::follow(std::span<const double> wanted, double seconds) {
   std::ranges::copy(wanted, goal_.begin());
   has_goal_ = true;
   if (since_) {
-    *since_ += seconds;
+    *since_ += std::min(seconds, frame_time_);
     if (*since_ >= bounds_.resume_s) since_.reset();
   }
   return limited;
@@ -182,13 +209,15 @@ bool MotionLimiter::step_towards(std::span<const double> wanted, double seconds)
   for (JointRow& joint : joints_) {
     limited = follow_joint(joint, wanted[joint.address], seconds) || limited;
   }
+  before_ = seconds;
   return limited;
 }
 
 bool MotionLimiter::follow_joint(JointRow& joint, double wanted, double seconds) {
   double& now = now_[joint.address];
   const double goal = std::clamp(wanted, joint.lower, joint.upper);
-  const double full = joint.acceleration * seconds, velocity = joint.velocity;
+  const double velocity = joint.velocity, apart = between_middles(seconds);
+  const double full = joint.acceleration * apart;
   // Aim at the moving target: its next position, reached with its velocity.
   const double aim =
       has_goal_ ? (goal - std::clamp(goal_[joint.address], joint.lower, joint.upper)) / seconds
@@ -196,16 +225,23 @@ bool MotionLimiter::follow_joint(JointRow& joint, double wanted, double seconds)
   const double ahead = goal - now - aim * seconds;
   const double braked = std::sqrt(2.0 * joint.acceleration * std::abs(ahead));
   double next = aim + std::copysign(std::min(std::abs(ahead) / seconds, braked), ahead);
-  const double faster = ramped_acceleration(joint.acceleration) * seconds;
+  if (is_uneven(seconds)) {
+    const double last = velocity * before_;
+    const double change = joint.acceleration * frame_time_ * frame_time_;
+    next = std::clamp(next, (last - change) / seconds, (last + change) / seconds);
+  }
+  const double faster = ramped_acceleration(joint.acceleration) * apart;
   next = std::clamp(next, velocity > 0.0 ? std::max(velocity - full, -faster) : velocity - faster,
                     velocity < 0.0 ? std::min(velocity + full, faster) : velocity + faster);
   // A joint that exceeds the speed limit brakes.
-  const double most =
-      std::max(below_printed(ramped(joint.first_speed, joint.speed) * seconds) / seconds,
-               std::abs(velocity) - full);
+  const double most = std::max(most_step(ramped(joint.first_speed, joint.speed), seconds) / seconds,
+                               std::abs(velocity) - full);
   next = std::clamp(next, -most, most);
   next = std::clamp(next, -braking_speed(now - joint.lower, joint.acceleration, seconds, shortest_),
                     braking_speed(joint.upper - now, joint.acceleration, seconds, shortest_));
+  next = std::clamp(next, velocity - full, velocity + full);
+  next = std::clamp(next, -last_braking_speed(now - joint.lower, joint.acceleration, seconds),
+                    last_braking_speed(joint.upper - now, joint.acceleration, seconds));
   const double before = now;
   constexpr double kReached = 1e-12;  // rad
   const double reached = before + next * seconds;
@@ -218,7 +254,7 @@ bool MotionLimiter::follow_joint(JointRow& joint, double wanted, double seconds)
 // @return the limited step; nothing if the target is reached
 std::optional<Vector3d> MotionLimiter::limited_step(RootPart& part, const Vector3d& way,
                                                     const Vector3d& aim, double seconds) const {
-  const double full = part.acceleration * seconds;
+  const double apart = between_middles(seconds), full = part.acceleration * apart;
   const Vector3d ahead = way - aim * seconds;
   Vector3d next = aim;
   if (const double length = ahead.norm(); length > 0.0) {
@@ -226,18 +262,22 @@ std::optional<Vector3d> MotionLimiter::limited_step(RootPart& part, const Vector
         ahead * (std::min(length / seconds, std::sqrt(2.0 * part.acceleration * length)) / length);
   }
   const double before = part.velocity.norm();
-  const double most = below_printed(ramped(part.first_speed, part.speed) * seconds) / seconds;
+  const double most = most_step(ramped(part.first_speed, part.speed), seconds) / seconds;
   if (before > most) {
     // Brake if the speed exceeds the limit.
     next = part.velocity * (std::max(most, before - full) / before);
   } else {
-    if (const double speed = next.norm(); speed > most) next *= most / speed;
-    Vector3d change = next - part.velocity;
+    if (is_uneven(seconds)) {
+      const Vector3d last = part.velocity * (before_ / seconds);
+      const double allowed = part.acceleration * frame_time_ * frame_time_ / seconds;
+      next = last + shortened(next - last, allowed);
+    }
+    next = shortened(next, most);
+    const Vector3d change = next - part.velocity;
     // Slowing down or turning uses the full acceleration; speeding up is limited by the ramp.
-    const double faster = ramped_acceleration(part.acceleration) * seconds;
+    const double faster = ramped_acceleration(part.acceleration) * apart;
     const double allowed = next.norm() > before ? faster : full;
-    if (const double length = change.norm(); length > allowed) change *= allowed / length;
-    next = part.velocity + change;
+    next = part.velocity + shortened(change, allowed);
   }
   constexpr double kReached = 1e-12;  // metres, rad
   const bool limited = (next * seconds - way).norm() > kReached;

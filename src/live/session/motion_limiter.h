@@ -31,12 +31,19 @@ class StandingPose {
 /// ones.
 ///
 /// A step never moves a joint or the root faster than allowed, nor changes a velocity by more than
-/// the acceleration allows. A joint near its position limit is never faster than it can brake.
+/// the acceleration allows. The velocity of a step is its change over its duration, the time
+/// between two velocities that between the middles of their steps. A joint near its position limit
+/// is never faster than it can brake, whatever durations follow.
+///
+/// A receiver may also read the frames as evenly spaced. In uneven steps the same limits hold for a
+/// frame's duration as well: that of speed unless the acceleration forbids it, that of acceleration
+/// as far as the limits in real time allow.
+///
 /// Where no limit is active, the configuration is copied unchanged.
 class MotionLimiter {
  public:
-  /// Minimum step duration, as a fraction of a frame.
-  static constexpr double kShortestStep = 0.4;
+  /// Range of step durations, as fractions of a frame. A longer one is a pause of the process.
+  static constexpr double kShortestStep = 0.4, kLongestStep = 1.6;
 
   /// @param fit  only max_joint_speed and max_joint_step are used.
   MotionLimiter(const Robot& robot, const LimitSet& limits, const FitOptions& fit,
@@ -45,7 +52,7 @@ class MotionLimiter {
   /// Takes one step towards a configuration. The first configuration is copied, clamped to the
   /// position limits.
   /// @param wanted   target in the layout of RobotClip; the root quaternion has unit length.
-  /// @param seconds  time since the previous call, from kShortestStep of a frame to a frame.
+  /// @param seconds  time since the previous call, from kShortestStep to kLongestStep of a frame.
   /// @return whether a limit was active.
   bool follow(std::span<const double> wanted, double seconds);
   /// Takes a configuration regardless of the speed limits; flips the quaternion's sign if needed
@@ -71,15 +78,14 @@ class MotionLimiter {
   struct JointRow {
     std::size_t address;
     double lower, upper;
-    double speed, first_speed;          // rad/s or m/s
-    double acceleration;                // rad/s^2 or m/s^2
-    double velocity = 0.0, goal = 0.0;  // Current velocity and target.
+    double speed, first_speed;  // rad/s or m/s
+    double acceleration;        // rad/s^2 or m/s^2
+    double velocity = 0.0;      // Of the previous step.
   };
   // A vector whose length is limited: the root's translation or rotation.
   struct RootPart {
     double speed, first_speed, acceleration;
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    Eigen::Vector3d aim = Eigen::Vector3d::Zero();  // Velocity of the target.
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // Of the previous step.
   };
   bool step_towards(std::span<const double> wanted, double seconds);
   bool follow_joint(JointRow& joint, double wanted, double seconds);
@@ -87,11 +93,16 @@ class MotionLimiter {
   bool follow_rotation(std::span<const double> wanted, double seconds);
   std::optional<Eigen::Vector3d> limited_step(RootPart& part, const Eigen::Vector3d& way,
                                               const Eigen::Vector3d& aim, double seconds) const;
+  [[nodiscard]] double between_middles(double seconds) const { return 0.5 * (before_ + seconds); }
+  [[nodiscard]] bool is_uneven(double seconds) const;
+  [[nodiscard]] double most_step(double speed, double seconds) const;
   [[nodiscard]] double ramped(double first, double full) const;
   [[nodiscard]] double ramped_acceleration(double full) const;
 
   LiveLimits bounds_;
+  double frame_time_;
   double shortest_;  // Minimum step duration, seconds.
+  double before_;    // Duration of the previous step, seconds.
   std::vector<JointRow> joints_;
   RootPart position_, rotation_;
   std::vector<double> now_, goal_;  // Current configuration and previous target.

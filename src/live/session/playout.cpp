@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "live/session/motion_limiter.h"
 #include "retarget/so3.h"
 #include "retarget/spline.h"
 
@@ -136,6 +137,17 @@ double FrameQueue::past_cut(double time) const {
   return time;
 }
 
+double FrameQueue::past_gap(double time, double rate) const {
+  constexpr double kAlike = 0.8;  // Arrivals against timestamps.
+  for (std::size_t i = 1; i < count_; ++i) {
+    const Slot &before = at(i - 1), &slot = at(i);
+    if (slot.time <= time + kSameTime) continue;
+    const double missing = (slot.time - before.time) / rate;
+    return !slot.cut && slot.arrival - before.arrival > kAlike * missing ? slot.time : time;
+  }
+  return time;
+}
+
 long FrameQueue::between(double after, double before) const {
   long count = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -209,7 +221,9 @@ Playout::Slot Playout::next(const FrameQueue& queue, const SenderClock& clock) c
     const double wanted =
         first_ ? (delay_s_ > 0.0 ? queue.first_time() : newest) : time_ + step + gain_;
     const double skip = clock.rate() * (kSkip + delay_s_) + 2.0 * queue.interval();
-    if (cut_ || newest - wanted > skip) {
+    // A gap that was received in time is interpolated; it does not make its frames late.
+    const double since = starved() < kSkip ? queue.past_gap(wanted, clock.rate()) : wanted;
+    if (cut_ || newest - since > skip) {
       slot.skips = !first_;
       slot.time = first_ ? wanted : std::max(time_, newest - clock.rate() * delay_s_);
       slot.known = newest > time_ + kSame || first_;
@@ -237,8 +251,15 @@ Playout::Slot Playout::next(const FrameQueue& queue, const SenderClock& clock) c
   }
   slot.at = std::max(slot.at, not_before_);
   slot.at = std::max(slot.at, last_at_ + (first_ ? 0.0 : kMinStep * frame_time_));
-  slot.step = first_ ? frame_time_ : std::min(frame_time_, slot.at - last_at_);
+  slot.step = step_until(slot.at);
   return slot;
+}
+
+double Playout::step_until(double at) const {
+  constexpr double kRounding = 1e-9;  // seconds
+  const double step = at - last_at_;
+  const bool is_even = std::abs(step - frame_time_) < kRounding;
+  return first_ || is_even || step > MotionLimiter::kLongestStep * frame_time_ ? frame_time_ : step;
 }
 
 void Playout::take(const Slot& slot, const FrameQueue& queue, const SenderClock& clock) {
@@ -261,6 +282,16 @@ void Playout::take(const Slot& slot, const FrameQueue& queue, const SenderClock&
   const double more = excess(queue.interval(), age);
   const double step = clock.rate() * frame_time_;
   if (more > 0.0) gain_ = step * std::clamp(more / (kCatchUp * clock.rate()), kMinGain, kMaxGain);
+}
+
+Playout::Slot Playout::take_rest() {
+  Slot slot;
+  slot.at = std::max(grid_, last_at_ + (1.0 - kEarly) * frame_time_);
+  slot.step = step_until(slot.at);
+  slot.time = time_;
+  grid_ = slot.at + frame_time_;
+  last_at_ = slot.at;
+  return slot;
 }
 
 // Shifts the grid towards the arrival times, slowly so that the output rate stays bounded.

@@ -50,6 +50,10 @@ class FrameQueue {
   [[nodiscard]] double nearest(double time) const;
   /// Returns the time itself, or the time of the frame after the cut if it lies in a cut.
   [[nodiscard]] double past_cut(double time) const;
+  /// Returns the time of the next frame if frames before it are missing and interpolated, otherwise
+  /// the time itself. If the timestamps alone leave a gap, none is missing.
+  /// @param rate  session seconds per local second.
+  [[nodiscard]] double past_gap(double time, double rate) const;
   /// Number of frames between two times.
   [[nodiscard]] long between(double after, double before) const;
   /// Typical frame interval, seconds of session time; 0 while unknown.
@@ -110,7 +114,7 @@ class Playout {
 
   struct Slot {
     double at = 0.0;    ///< Departure time, local clock, seconds.
-    double step = 0.0;  ///< Time since the previous slot, seconds; at most one frame.
+    double step = 0.0;  ///< Time since the previous slot, seconds; after a pause, one frame.
     double time = 0.0;  ///< Session time of the human pose that is shown.
     double since = std::numeric_limits<
         double>::quiet_NaN();  ///< Arrival of this human pose, local clock; set if known.
@@ -122,6 +126,9 @@ class Playout {
   /// Commits the slot: its frame leaves.
   void take(const Slot& slot, const FrameQueue& queue, const SenderClock& clock);
 
+  /// The next slot after the end of the input, for a pose that is still to be shown.
+  Slot take_rest();
+
   /// Session time of the human pose shown last; minus infinity before the first one.
   [[nodiscard]] double time() const {
     return first_ ? -std::numeric_limits<double>::infinity() : time_;
@@ -130,6 +137,7 @@ class Playout {
   [[nodiscard]] double starved() const { return last_at_ - fresh_at_; }
 
  private:
+  [[nodiscard]] double step_until(double at) const;
   void see_margin(double margin, double now, double interval);
   void lock_phase(const Slot& slot);
   [[nodiscard]] double excess(double interval, double age) const;

@@ -91,9 +91,9 @@ Result<StatedUnits> stated_units(const PacketJson& header) {
 class HeaderReader {
  public:
   Result<void> read(const PacketJson& header);
-  /// @param waits_for_frame  omit a pose that only shows the bone lengths; the body is then
-  ///   recognised from its first frame.
-  [[nodiscard]] Result<void> give(const PacketJson& header, bool waits_for_frame, StreamSink& sink);
+  /// Omits a pose that only shows the bone lengths; the body is then recognised from its first
+  /// frame.
+  [[nodiscard]] Result<void> give(const PacketJson& header, StreamSink& sink);
 
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
 
@@ -148,7 +148,7 @@ Result<void> HeaderReader::read(const PacketJson& header) {
   return {};
 }
 
-Result<void> HeaderReader::give(const PacketJson& header, bool waits_for_frame, StreamSink& sink) {
+Result<void> HeaderReader::give(const PacketJson& header, StreamSink& sink) {
   ClipOrigin origin;
   origin.name = "stream";
   RETARGET_TRY_ASSIGN(const StatedUnits stated, stated_units(header));
@@ -160,9 +160,8 @@ Result<void> HeaderReader::give(const PacketJson& header, bool waits_for_frame, 
     return bad_line("\"pose\" must be \"t-pose\" or \"any\"");
   }
   const bool is_rest = has_poses_ && pose == "t-pose";
-  const bool has_frame = is_rest || (has_poses_ && !waits_for_frame);
-  Clip clip(std::make_shared<const Skeleton>(joints_), FrameRate{}, has_frame ? 1 : 0);
-  for (std::size_t i = 0; has_frame && i < joints_.size(); ++i) {
+  Clip clip(std::make_shared<const Skeleton>(joints_), FrameRate{}, is_rest ? 1 : 0);
+  for (std::size_t i = 0; is_rest && i < joints_.size(); ++i) {
     const Pose local =
         parent_from_joint(world_from_joint_, joints_[i].parent, world_from_joint_[i]);
     clip.rotations(0)[i] = local.rotation.normalized();
@@ -234,7 +233,7 @@ Result<void> LineDecoder::take(std::string_view bytes, StreamSink& sink) {
     if (known_ && same_tree(known_->joints(), header.joints())) {
       return use_known(json["skeleton"], header.joints());
     }
-    RETARGET_TRY(header.give(json["skeleton"], index_.empty(), sink));
+    RETARGET_TRY(header.give(json["skeleton"], sink));
     set_joints(header.joints());
     uses_known_ = false;
     return {};
@@ -268,8 +267,9 @@ Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
   if (json.contains("time")) {
     const PacketJson& time = json["time"];
     constexpr double kMaxTime = 1e12;
-    if (!time.is_number() || std::abs(time.get<double>()) > kMaxTime) {
-      return bad_line("\"time\" must be a number of seconds");
+    if (!time.is_number()) return bad_line("\"time\" must be a number of seconds");
+    if (std::abs(time.get<double>()) > kMaxTime) {
+      return bad_line(fmt::format("\"time\" must be in seconds, found {:g}", time.get<double>()));
     }
     frame_.time = time.get<double>();
   }

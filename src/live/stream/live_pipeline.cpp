@@ -18,8 +18,27 @@ namespace {
 constexpr double kJustBefore = 2e-6;  // seconds
 // Maximum number of frames in one packet at clock pace.
 constexpr std::size_t kMostFrames = 128;
+// Why frames of a stream are not frames of a file's skeleton.
+std::string difference(const Skeleton& file, const Skeleton& stream) {
+  const auto missing = [](const Skeleton& from, const Skeleton& in) -> const Joint* {
+    const auto found = std::ranges::find_if(from.joints(), [&](const Joint& joint) {
+      return std::ranges::find(in.joints(), joint.name, &Joint::name) == in.joints().end();
+    });
+    return found == from.joints().end() ? nullptr : &*found;
+  };
+  if (const Joint* joint = missing(file, stream)) {
+    return fmt::format("it has no joint \"{}\"", printable(joint->name));
+  }
+  if (const Joint* joint = missing(stream, file)) {
+    return fmt::format("the file has no joint \"{}\"", printable(joint->name));
+  }
+  return "their joints have other parents or channels";
+}
+
 // Minimum interval between two recognitions of a body.
 constexpr double kBodyEvery = 1.0;  // seconds
+// Poses of a new skeleton that are tried before a running stream returns to its previous body.
+constexpr int kMostPoses = 5;
 
 }  // namespace
 
@@ -62,19 +81,42 @@ Result<void> LivePipeline::packet(std::string_view bytes, double now) {
 }
 
 void LivePipeline::decode(std::string_view bytes) {
-  if (std::exchange(restores_, false)) {
-    if (known_) decoder_->know_skeleton(known_);
-    skeleton_packets_.restore(*decoder_);
-  }
+  if (std::exchange(restores_, false)) restore_used_skeleton();
   batch_.clear();
-  const auto taken = decoder_->take(bytes, batch_);
+  auto taken = decoder_->take(bytes, batch_);
+  old_continues_ = !taken && session_ && poseless_ && continues_old_body(bytes);
+  if (old_continues_) taken = {};
   decode_error_.reset();
-  if (!taken) decode_error_ = taken.error().message;
+  if (!taken) note_malformed(bytes, taken.error().message);
   if (!taken || batch_.empty() || batch_.has_skeleton()) {
     skeleton_packets_.see(bytes, batch_, !taken.has_value());
   } else {
     skeleton_packets_.forget_waiting();
   }
+}
+
+void LivePipeline::note_malformed(std::string_view bytes, const std::string& why) {
+  constexpr std::size_t kHead = 4096;
+  decode_error_ = why;
+  if (!malformed_why_.empty()) return;
+  malformed_why_ = why;
+  malformed_head_ = bytes.substr(0, kHead);
+}
+
+void LivePipeline::restore_used_skeleton() {
+  if (known_) decoder_->know_skeleton(known_);
+  skeleton_packets_.restore(*decoder_);
+}
+
+// Whether a packet that does not fit a new skeleton without poses is of the body in use. Then the
+// skeleton is not that of the stream.
+bool LivePipeline::continues_old_body(std::string_view bytes) {
+  if (!batch_.empty()) return false;
+  restore_used_skeleton();
+  if (decoder_->take(bytes, batch_) && !batch_.empty() && !batch_.has_skeleton()) return true;
+  batch_.clear();
+  skeleton_packets_.restore_latest(*decoder_);
+  return false;
 }
 
 Result<void> LivePipeline::use_decoded(double now) {
@@ -95,6 +137,13 @@ Result<void> LivePipeline::use_decoded(double now) {
 }
 
 Result<void> LivePipeline::use_items() {
+  if (std::exchange(old_continues_, false)) {
+    Error why;
+    why.message = "a new skeleton arrived, but the frames are still those of the body in use";
+    poseless_->poses_left = 0;
+    refuse(*std::exchange(poseless_, std::nullopt), why);
+    restores_ = false;
+  }
   for (std::size_t i = 0; i < batch_.size() && !error_; ++i) {
     PacketBatch::Item& item = batch_[i];
     if (item.skeleton) {
@@ -163,6 +212,19 @@ void LivePipeline::finish(double now) {
   pull(now_);
 }
 
+Result<void> LivePipeline::check_used(std::string_view format) const {
+  if (statistics().robot_frames > 0 || packets_.packets == 0) return {};
+  std::string why = fmt::format("no frame of the stream is usable: {} of {} malformed",
+                                packets_.malformed, count_text(packets_.packets, "packet"));
+  if (!malformed_why_.empty()) why += ", the first one: " + printable(malformed_why_);
+  if (!session_ && !refused_why_.empty()) why += "; no human: " + refused_why_;
+  if (!session_ && calibrates_) why += "; the input ended before the calibration";
+  const std::string_view likely = likely_format(malformed_head_);
+  if (likely.empty() || likely == format) return input_failure("stdin", why);
+  return input_failure("stdin", why,
+                       fmt::format("the input looks like {0}: use stdin?format={0}", likely));
+}
+
 LiveStatistics LivePipeline::statistics() const {
   return session_ ? session_->statistics() : LiveStatistics();
 }
@@ -179,15 +241,15 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
     restores_ = used_.has_value();
     return;
   }
+  warn_of_unused_file(clip.skeleton());
   lacks_skeleton_ = false;
   received_ = clip;
   calibration_begin_.reset();
   poseless_.reset();
   if (calibrates_) return;
   BodyTask task{clip, has_rest ? RestPose::kFirst : RestPose::kAuto, false};
-  // A running stream does not wait: its frames belong to the new skeleton, or count as malformed
-  // until that skeleton is rejected.
-  if (clip.frame_count() == 0 && !session_) {
+  if (clip.frame_count() == 0) {
+    task.poses_left = kMostPoses;
     poseless_ = std::move(task);
     pose_tried_ = -std::numeric_limits<double>::infinity();
     return;
@@ -195,8 +257,18 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
   change_body(std::move(task));
 }
 
+// Tells the user that the stream's own skeleton replaces that of a file.
+void LivePipeline::warn_of_unused_file(const Skeleton& skeleton) {
+  if (!known_) return;
+  warn_once(file_reported_, "body",
+            fmt::format("the stream's own skeleton is used instead of " RETARGET_OPTION(
+                            "skeleton") ", because {}",
+                        difference(*known_, skeleton)));
+}
+
 // Recognises a body from its first frame, because the zero pose of a skeleton without poses may be
-// folded up. If that frame is not recognised as human, tries later frames.
+// folded up. If that frame is not recognised as human, tries later frames: a running stream only
+// some, then it returns to its previous body.
 void LivePipeline::take_first_pose(const StreamFrame& frame) {
   if (!poseless_ || wall_ - pose_tried_ < kBodyEvery) return;
   pose_tried_ = wall_;
@@ -204,6 +276,12 @@ void LivePipeline::take_first_pose(const StreamFrame& frame) {
   task.clip.resize(1);
   std::ranges::copy(frame.rotations, task.clip.rotations(0).begin());
   std::ranges::copy(frame.translations, task.clip.translations(0).begin());
+  if (session_) {
+    --task.poses_left;
+    poseless_.reset();
+    change_body(std::move(task));
+    return;
+  }
   change_body(std::move(task));
   if (session_ || error_) poseless_.reset();
 }
@@ -273,6 +351,7 @@ void LivePipeline::adopt(const BodyTask& task, Result<MadeBody> made) {
 void LivePipeline::refuse(const BodyTask& task, const Error& why) {
   ++packets_.refused_skeletons;
   const std::string text = full_message(why);
+  refused_why_ = text;
   if (task.is_posed && session_) {
     tell_("body", "remains unchanged: " + text);
     return;
@@ -282,6 +361,10 @@ void LivePipeline::refuse(const BodyTask& task, const Error& why) {
                       : "waiting for a human (similar skeletons are not reported): ") +
                 text);
   if (task.is_posed) return;
+  if (session_ && task.poses_left > 0 && !waiting_ && is_same(*received_, task.clip)) {
+    poseless_ = task;
+    return;
+  }
   refused_ = task.clip;
   if (!used_ || waiting_) return;
   received_ = used_;
@@ -331,6 +414,13 @@ double LivePipeline::time_of(const StreamFrame& frame) const {
   return is_declared && !std::isfinite(frame.time) ? frame.declared : frame.time;
 }
 
+void LivePipeline::watch_stamp(double stamp) {
+  if (!std::isfinite(stamp) || options_.live.clock == LiveClock::kArrival) return;
+  if (const std::string fault = stamps_.add(stamp, wall_); !fault.empty()) {
+    warn_once(stamps_reported_, "stream", fault);
+  }
+}
+
 // Advances the time by the timestamps; if they jump, by one robot frame.
 void LivePipeline::pass_time(double stamp) {
   constexpr double kMostStep = 10.0, kReordered = 0.5;  // seconds
@@ -357,6 +447,7 @@ void LivePipeline::take_frame(const StreamFrame& frame) {
     return;
   }
   const double time = time_of(frame);
+  watch_stamp(time);
   if (options_.pace == LivePace::kInput) {
     const double before = now_;
     pass_time(time);

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "live/stream/stamp_faults.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "live/stream/untimed_frames.h"
@@ -72,6 +73,11 @@ class LivePipeline final {
   /// Ends the input and emits the remaining frames.
   void finish(double now);
 
+  /// Why the packets of an input that has ended gave no robot frame; no error if they gave any, or
+  /// if there are none.
+  /// @param format  name of the stream's format.
+  [[nodiscard]] Result<void> check_used(std::string_view format) const;
+
   [[nodiscard]] const PipelineStatistics& packets() const { return packets_; }
   [[nodiscard]] LiveStatistics statistics() const;
   [[nodiscard]] LiveState state() const {
@@ -81,8 +87,12 @@ class LivePipeline final {
 
  private:
   void know_up(const std::optional<Eigen::Vector3d>& up);
+  void note_malformed(std::string_view bytes, const std::string& why);
+  void restore_used_skeleton();
+  [[nodiscard]] bool continues_old_body(std::string_view bytes);
   Result<void> use_items();
   void take_skeleton(const Clip& clip, bool has_rest);
+  void warn_of_unused_file(const Skeleton& skeleton);
   void take_frame(const StreamFrame& frame);
   [[nodiscard]] Result<void> begin_session(const BodyTask& task);
   void change_body(BodyTask task);
@@ -94,6 +104,7 @@ class LivePipeline final {
   [[nodiscard]] bool is_of_received_body(const StreamFrame& frame) const;
   [[nodiscard]] bool is_foreign();
   [[nodiscard]] double time_of(const StreamFrame& frame) const;
+  void watch_stamp(double stamp);
   void pass_time(double stamp);
   void pull(double until);
   void warn_once(bool& warned, std::string_view label, std::string_view text) const;
@@ -109,6 +120,7 @@ class LivePipeline final {
   std::optional<std::string> decode_error_;
   SkeletonPackets skeleton_packets_;
   bool restores_ = false;  // Restore the skeleton in use in the decoder before the next packet.
+  bool old_continues_ = false;   // The packet is of the body in use, not of a new skeleton.
   bool lacks_skeleton_ = false;  // The sender's skeleton is missing.
 
   std::optional<Clip> received_;      // Skeleton of the received frames.
@@ -128,12 +140,16 @@ class LivePipeline final {
   double wall_ = 0.0;
   std::optional<double> stamp_;  // Last timestamp, if timestamps are the clock.
   UntimedFrames untimed_;
+  StampFaults stamps_;
   std::optional<Error> error_;
   PipelineStatistics packets_;
   HumanFrame human_;
+  std::string malformed_why_, malformed_head_;  // Of the first malformed packet.
+  std::string refused_why_;                     // Of the latest refused skeleton.
   bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
        jump_reported_ = false;
-  bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false;
+  bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false,
+       file_reported_ = false, stamps_reported_ = false;
 };
 
 }  // namespace retarget

@@ -119,6 +119,7 @@ class Server {
   std::condition_variable earlier_;     // The next robot frame may be due earlier.
   std::int64_t latest_ = 0;             // Time of the last event, microseconds.
   std::optional<Result<void>> failed_;  // Error of the second thread.
+  bool has_ended_ = false;              // The input has no more bytes.
 };
 
 Result<void> Server::open_source() {
@@ -298,7 +299,10 @@ Result<void> Server::receive() {
     if (source.can_send()) asker.ask(source, pipeline_->request(), now);
     const ByteSource::Event event = source.wait(kWait);
     now = watch_.now();
-    if (event == ByteSource::Event::kEnd) break;
+    if (event == ByteSource::Event::kEnd) {
+      has_ended_ = true;
+      break;
+    }
     if (event == ByteSource::Event::kPacket) {
       heard = now;
       RETARGET_TRY(take_packet(source.packet(), now));
@@ -353,6 +357,7 @@ Result<ServeSummary> Server::run() {
     if (auto kept = recorder_->finish(); !kept && summary_.written) summary_.written = kept;
   }
   if (!ran) return failure(ran.error());
+  if (has_ended_) RETARGET_TRY(pipeline_->check_used((*find_stream_format(from_.format))->name));
   summary_.outputs = outputs_.statistics();
   summary_.live = pipeline_->statistics();
   summary_.latency = {latency_.percentile(50.0), latency_.percentile(99.0), latency_.max()};

@@ -147,6 +147,26 @@ Result<const StreamFormat*> find_stream_format(const std::string& name) {
   return usage_failure("unknown stream format \"" + name + "\"", did_you_mean(name, names));
 }
 
+std::string_view likely_format(std::string_view packet) {
+  constexpr std::size_t kHead = 4096;
+  const std::string_view head = packet.substr(0, kHead);
+  const auto has = [&](std::string_view text) { return head.find(text) != std::string_view::npos; };
+  if (head.starts_with("MXTP")) return "mvn";
+  const std::size_t begin = head.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos) return {};
+  if (head.substr(begin).starts_with("HIERARCHY")) return "bvh";
+  if (head[begin] != '{') return {};
+  if (has("\"skeleton\"")) return "lines";
+  if (has("\"scene\"") || has("\"actors\"")) return "rokoko";
+  if (has("\"timeStampNs\"") || has("\"functionName\"")) return "xrobot";
+  if (has("\"body_pose\"") || has("\"pose_body\"") || has("\"poses\"") ||
+      has("\"global_orient\"") || has("\"root_orient\"") || has("\"rest_offsets\"") ||
+      has("\"betas\"")) {
+    return "smplx";
+  }
+  return {};
+}
+
 Result<void> check_input(const StreamAddress& from, const StreamFormat& format) {
   if (from.transport != Transport::kStdin && from.transport != Transport::kUdp &&
       from.transport != Transport::kTcp) {
@@ -227,9 +247,9 @@ void SkeletonPackets::see(std::string_view bytes, const PacketBatch& batch, bool
   }
 }
 
-void SkeletonPackets::restore(Decoder& decoder) const {
+void SkeletonPackets::replay(const std::vector<std::string>& packets, Decoder& decoder) {
   PacketBatch nothing(0);
-  for (const std::string& packet : kept_) {
+  for (const std::string& packet : packets) {
     // The packet was accepted before.
     static_cast<void>(decoder.take(packet, nothing));
   }

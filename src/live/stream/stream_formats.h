@@ -113,6 +113,9 @@ struct StreamFormat {
 /// name.
 [[nodiscard]] Result<const StreamFormat*> find_stream_format(const std::string& name);
 
+/// Name of the format that a packet appears to have, judged by its beginning; empty: unknown.
+[[nodiscard]] std::string_view likely_format(std::string_view packet);
+
 // Rows of the table of formats.
 
 [[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
@@ -187,11 +190,15 @@ class SkeletonPackets {
   /// Marks the last received skeleton as the one in use.
   void accept() { kept_ = received_; }
   /// Replays the packets of the skeleton in use to a decoder.
-  void restore(Decoder& decoder) const;
+  void restore(Decoder& decoder) const { replay(kept_, decoder); }
+  /// Replays the packets of the last received skeleton.
+  void restore_latest(Decoder& decoder) const { replay(received_, decoder); }
   /// Discards packets that completed no skeleton.
   void forget_waiting();
 
  private:
+  static void replay(const std::vector<std::string>& packets, Decoder& decoder);
+
   std::vector<std::string> received_, kept_;
   std::vector<std::string> waiting_;  // Packets without a result yet.
   std::size_t waiting_bytes_ = 0;

@@ -88,6 +88,7 @@ struct BodyTask {
   Clip clip;                        ///< Skeleton and a pose.
   RestPose rest = RestPose::kAuto;  ///< Meaning of the first frame.
   bool is_posed = false;            ///< The performer holds the pose on request.
+  int poses_left = 0;               ///< Number of later poses to try if this one is refused.
 };
 
 /// Recognises a human and prepares the robot for it, on another thread if robot frames must
