@@ -69,7 +69,7 @@ class CrossingFramesTest : public FitModelTest {
                     clip_.frame(to, model_.configuration_size));
     double depth = 0.0;
     for (std::uint32_t pair = 0; pair < model_.pairs.size(); ++pair) {
-      depth = std::max(depth, -half_way.distance(pair));
+      depth = std::max(depth, -pair_distance(model_, half_way.pose(), pair));
     }
     return depth;
   }

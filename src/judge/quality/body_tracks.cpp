@@ -6,7 +6,7 @@
 
 #include "judge/quality/mujoco_contacts.h"
 #include "retarget/shape_distance.h"
-#include "retarget/so3.h"
+#include "robot/model/half_way.h"
 
 namespace retarget {
 namespace {
@@ -24,7 +24,8 @@ class BodyTracker {
         world_from_body_(clip.robot().bodies().size()),
         placed_(collisions_.shapes().size()),
         placed_before_(placed_.size()),
-        placed_half_way_(placed_.size()) {
+        placed_half_way_(placed_.size()),
+        half_way_(clip.frame_count() > 0 ? clip.qpos(0).size() : 0) {
     tracks_.kept_bodies = std::move(kept_bodies);
     for (const Sole& sole : clip.robot().profile().soles) tracks_.soles.push_back({&sole, {}});
     const auto frames = static_cast<std::size_t>(clip.frame_count());
@@ -100,13 +101,13 @@ class BodyTracker {
   void find_crossing(int frame) {
     SelfContact& deepest = tracks_.crossings.emplace_back();
     if (!has_fast_shapes()) return;
-    pose_half_way(frame);
+    half_way_between(clip_.qpos(frame - 1), clip_.qpos(frame), half_way_);
     forward_kinematics(clip_.robot(), half_way_, world_from_body_);
     collisions_.place(world_from_body_, placed_half_way_);
     collisions_.near_pairs(placed_half_way_, 0.0, near_);
     const auto& shapes = collisions_.shapes();
     for (const ShapePair& pair : near_) {
-      if ((step_of(pair.a) - step_of(pair.b)).norm() <= kCrossing) continue;
+      if ((step_of(pair.a) - step_of(pair.b)).norm() <= kPassing) continue;
       const double depth =
           -shape_distance(placed_half_way_[pair.a], placed_half_way_[pair.b]).distance;
       if (depth > deepest.depth) deepest = {depth, shapes[pair.a].body, shapes[pair.b].body};
@@ -118,7 +119,7 @@ class BodyTracker {
     return placed_[shape].centre - placed_before_[shape].centre;
   }
 
-  // Whether two shapes may move by more than kCrossing relative to each other.
+  // Whether two shapes may move by more than kPassing relative to each other.
   [[nodiscard]] bool has_fast_shapes() const {
     double largest = 0.0, second = 0.0;
     for (int shape = 0; shape < static_cast<int>(placed_.size()); ++shape) {
@@ -126,17 +127,7 @@ class BodyTracker {
       second = std::max(second, std::min(largest, moved));
       largest = std::max(largest, moved);
     }
-    return largest + second > kCrossing;
-  }
-
-  void pose_half_way(int frame) {
-    const auto from = clip_.qpos(frame - 1), to = clip_.qpos(frame);
-    half_way_.resize(from.size());
-    const Eigen::Vector4d turned = Eigen::Map<const Eigen::Vector4d>(to.data() + 3);
-    for (std::size_t i = 0; i < half_way_.size(); ++i) half_way_[i] = 0.5 * (from[i] + to[i]);
-    Eigen::Vector4d before = Eigen::Map<const Eigen::Vector4d>(from.data() + 3);
-    align_sign(turned, before);
-    Eigen::Map<Eigen::Vector4d>(half_way_.data() + 3) = (before + turned).normalized();
+    return largest + second > kPassing;
   }
 
   const RobotClip& clip_;

@@ -14,10 +14,6 @@ namespace retarget {
 /// Height above the floor from which a sole point is not in contact, metres.
 inline constexpr double kSoleHigh = 0.02;
 
-/// Motion of two bodies relative to each other in one step above which they may pass through each
-/// other between the frames, metres. A body of less than 3 cm depth is not missed in both frames.
-inline constexpr double kCrossing = 0.06;
-
 /// Positions of a sole's points in all frames; world, metres.
 struct SoleTrack {
   const Sole* sole = nullptr;
@@ -55,8 +51,8 @@ struct BodyTracks {
   std::vector<Lowest> lowest_sole;        ///< By frame: lowest sole point.
   std::vector<Lowest> lowest;             ///< By frame: lowest point of soles and primitives.
   std::vector<SelfContact> self_contact;  ///< By frame, exact; empty without primitives.
-  /// By step: the deepest penetration half-way between two frames, of two bodies that pass each
-  /// other by more than kCrossing; empty without primitives.
+  /// By step: the deepest penetration half-way between two frames, of two bodies that move
+  /// by more than kPassing relative to each other; empty without primitives.
   std::vector<SelfContact> crossings;
   std::vector<double> sampled_depth;  ///< MuJoCo's contact depth in every stride-th frame.
   std::vector<int> kept_bodies;       ///< Bodies whose poses are stored.

@@ -44,7 +44,8 @@ struct BranchRecovery {
 [[nodiscard]] double astray_cost(const FitModel& model, const FitLimb& limb);
 
 /// Searches a fitted clip for arms and legs on a wrong branch and moves them to another branch if
-/// that clearly lowers the cost of all terms; then calls straighten_arm() for arms (docs/fit.md).
+/// that clearly lowers the cost of all terms; then calls straighten_arm() for arms (docs/fit.md),
+/// solve_sunken_frames() and solve_crossing_frames().
 /// All other frames stay bitwise unchanged.
 /// @param keep_going  called periodically; returning false stops the search.
 [[nodiscard]] BranchRecovery recover_branches(const FitModel& model, const FitOptions& options,

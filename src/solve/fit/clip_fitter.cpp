@@ -78,6 +78,7 @@ class WindowFitter final : public MovingFit {
   [[nodiscard]] bool is_finite(int local, double cost);
   [[nodiscard]] bool has_finite_solution() const;
   void find_crossings(int frame);
+  void pose_half_way(int frame);
   void add_crossings(int frame, double* h, double* g, TermCosts& costs);
   void adapt_damping(int local, double cost);
   void add_steps(int frame, double* h, double* g);
@@ -104,6 +105,7 @@ class WindowFitter final : public MovingFit {
   TreeState pose_;
   TreeState pose_before_;  // Of the frame before, while crossings are found.
   HalfWay half_way_;
+  int half_way_to_ = -1;  // Frame to which half_way_ leads in this step; -1: none.
   JointSpeeds speeds_;
   BlockChain chain_;
   std::vector<NearList> pairs_;  // By frame.
@@ -277,6 +279,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   speeds_.update(model_, clip_, first, last);
   chain_.begin(window_.end - window_.begin);
   held_.begin_step();
+  half_way_to_ = -1;
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
   const auto decrease = eliminate(move_anchors, look_for_pairs);
   status_.predicted_decrease = decrease.value_or(1.0);
@@ -373,17 +376,20 @@ void WindowFitter::find_crossings(int frame) {
   const auto& before = pairs_[at(local(frame) - 1)].pairs;
   candidates_.clear();
   std::ranges::set_union(before, pairs_[at(local(frame))].pairs, std::back_inserter(candidates_));
-  bool posed = false;
   for (const std::uint32_t pair : candidates_) {
     if (std::ranges::find(found, pair) != found.end()) continue;
     if (!may_cross(model_, pose_before_, pose_, pair)) continue;
-    if (!posed) {
-      half_way_.update(clip_.frame(frame - 1, model_.configuration_size),
-                       clip_.frame(frame, model_.configuration_size));
-    }
-    posed = true;
-    if (half_way_.distance(pair) < kNearlyOverlap) found.push_back(pair);
+    pose_half_way(frame);
+    if (pair_distance(model_, half_way_.pose(), pair) < kNearlyOverlap) found.push_back(pair);
   }
+}
+
+// Computes the pose half-way from the frame before; once in every step of the solver.
+void WindowFitter::pose_half_way(int frame) {
+  if (half_way_to_ == frame) return;
+  half_way_.update(clip_.frame(frame - 1, model_.configuration_size),
+                   clip_.frame(frame, model_.configuration_size));
+  half_way_to_ = frame;
 }
 
 // Adds the self-collision terms half-way to the frames before and after.
@@ -394,8 +400,7 @@ void WindowFitter::find_crossings(int frame) {
 void WindowFitter::add_crossings(int frame, double* h, double* g, TermCosts& costs) {
   for (const int later : {frame, frame + 1}) {
     if (later >= window_.end || crossings_[at(local(later))].empty()) continue;
-    half_way_.update(clip_.frame(later - 1, model_.configuration_size),
-                     clip_.frame(later, model_.configuration_size));
+    pose_half_way(later);
     terms_.add_crossings(half_way_.pose(), crossings_[at(local(later))], g, h, chain_.stride(),
                          costs);
   }

@@ -11,17 +11,15 @@
 #include "retarget/kinematic_tree.h"
 #include "solve/fit/half_way.h"
 #include "solve/fit/near_pairs.h"
-#include "solve/fit/shorthand.h"
+#include "solve/fit/trial_intervals.h"
 #include "solve/fit/window_trial.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kDeepCrossing = 0.01;  // Depth from which an overlap is removed, metres.
-constexpr double kMayCross =
-    0.04;                       // Distance up to which shapes may cross in the next step, metres.
-constexpr double kApart = 1.0;  // Seconds; crossings less apart are solved together.
-constexpr double kLongestCrossing = 5.0;  // Seconds of an interval; bounds the memory of a trial.
+// Distance in one of two frames up to which shapes may pass through each other between them, metres.
+constexpr double kMayCross = 0.04;
 
 // Measures overlaps of a fitted clip's shapes in frames and half-way between them.
 class OverlapMeter {
@@ -58,16 +56,15 @@ class OverlapMeter {
       if (!may_cross(model_, before_, now_, pair)) continue;
       if (!posed) half_way_.update(configuration(frame_ - 1), configuration(frame_));
       posed = true;
-      deepest = std::max(deepest, -half_way_.distance(pair));
+      deepest = std::max(deepest, -pair_distance(model_, half_way_.pose(), pair));
     }
     return deepest;
   }
   // The same in the frame, of all shapes.
   [[nodiscard]] double depth() {
-    half_way_.update(configuration(frame_), configuration(frame_));
     double deepest = 0.0;
     for (const std::uint32_t pair : near_now_) {
-      deepest = std::max(deepest, -half_way_.distance(pair));
+      deepest = std::max(deepest, -pair_distance(model_, now_, pair));
     }
     return deepest;
   }
@@ -97,12 +94,7 @@ std::vector<FrameRange> crossing_intervals(OverlapMeter& meter, const FitClip& c
   for (int frame = 1; frame < clip.frame_count; ++frame) {
     meter.next();
     if (!(meter.depth_half_way() > kDeepCrossing)) continue;
-    if (!found.empty() && frame - 1 < found.back().end + clip.frames_in(kApart) &&
-        frame + 1 - found.back().begin <= clip.frames_in(kLongestCrossing)) {
-      found.back().end = frame + 1;
-    } else {
-      found.push_back({frame - 1, frame + 1});
-    }
+    add_trial_interval(clip, {frame - 1, frame + 1}, found);
   }
   return found;
 }
@@ -144,15 +136,18 @@ void solve_crossing_frames(const FitModel& model, const FitOptions& options, Fit
   OverlapMeter meter(model, clip);
   FitOptions patient = options;
   patient.iterations *= 2;
-  for (const auto& [begin, end] : crossing_intervals(meter, clip)) {
+  TrialPause pause(clip);
+  for (const FrameRange& interval : crossing_intervals(meter, clip)) {
     if (result.stopped) return;
-    WindowTrial trial(model, options, clip, keep_going, begin, end);
+    if (pause.includes(interval)) continue;
+    WindowTrial trial(model, options, clip, keep_going, interval.begin, interval.end);
     const Overlaps before = overlaps_of(meter, trial.window());
     trial.look_between_frames();
     const bool accepted = trial.solve(model, patient) &&
                           is_better(overlaps_of(meter, trial.window()), before) &&
-                          trial.costs_at_most(kMoreCost);
+                          trial.costs_less_than(kMoreCost);
     result.conclude(trial, accepted);
+    pause.conclude(interval, accepted);
   }
 }
 

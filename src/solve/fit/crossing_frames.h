@@ -11,8 +11,9 @@ namespace retarget {
 
 /// Solves intervals of a fitted clip again in which limbs pass through each other, or through the
 /// body, between two frames; now with self-collision terms half-way between the frames. Keeps the
-/// result if the overlap is clearly smaller and the cost of all other terms hardly larger. All other
-/// frames stay bitwise unchanged.
+/// result if the overlaps are clearly smaller, the cost of the terms in the frames is hardly larger,
+/// and, with dynamics, contacts can supply the forces as well. All other frames stay bitwise
+/// unchanged.
 /// @param keep_going  called periodically; returning false stops the search.
 /// @param result      receives the failures.
 void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,

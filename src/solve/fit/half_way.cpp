@@ -3,36 +3,22 @@
 #include <Eigen/Core>
 
 #include "retarget/shape_distance.h"
+#include "robot/model/half_way.h"
 #include "solve/fit/shorthand.h"
 
 namespace retarget {
 
-HalfWay::HalfWay(const FitModel& model)
-    : model_(model), pose_(model.tree), qpos_(at(model.configuration_size)) {}
-
-void HalfWay::update(std::span<const double> from, std::span<const double> to) {
-  // The sign of a quaternion is arbitrary.
-  double cosine = 0.0;
-  for (std::size_t k = 3; k < 7; ++k) cosine += from[k] * to[k];
-  const double sign = cosine < 0.0 ? -1.0 : 1.0;
-  for (std::size_t i = 0; i < qpos_.size(); ++i) {
-    qpos_[i] = 0.5 * ((i >= 3 && i < 7 ? sign : 1.0) * from[i] + to[i]);
-  }
-  pose_.update(qpos_);
-}
-
-double HalfWay::distance(std::uint32_t pair) const {
+double pair_distance(const FitModel& model, const TreeState& pose, std::uint32_t pair) {
   const auto in_world = [&](int shape) {
-    const FitShape& own = model_.shapes[at(shape)];
-    return placed(own, pose_.world_from_link[at(own.link)]);
+    const FitShape& own = model.shapes[at(shape)];
+    return placed(own, pose.world_from_link[at(own.link)]);
   };
-  const FitPair& shapes = model_.pairs[pair];
+  const FitPair& shapes = model.pairs[pair];
   return shape_distance(in_world(shapes.a), in_world(shapes.b), NearestPoints::kEven).distance;
 }
 
 bool may_cross(const FitModel& model, const TreeState& before, const TreeState& now,
                std::uint32_t pair) {
-  constexpr double kPassing = 0.06;  // Metres.
   const auto step = [&](int shape) -> Eigen::Vector3d {
     const FitShape& own = model.shapes[at(shape)];
     const auto link = at(own.link);
@@ -40,6 +26,13 @@ bool may_cross(const FitModel& model, const TreeState& before, const TreeState& 
   };
   const FitPair& shapes = model.pairs[pair];
   return (step(shapes.a) - step(shapes.b)).squaredNorm() > square(kPassing);
+}
+
+HalfWay::HalfWay(const FitModel& model) : pose_(model.tree), qpos_(at(model.configuration_size)) {}
+
+void HalfWay::update(std::span<const double> from, std::span<const double> to) {
+  half_way_between(from, to, qpos_);
+  pose_.update(qpos_);
 }
 
 }  // namespace retarget

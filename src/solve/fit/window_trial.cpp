@@ -60,10 +60,10 @@ double WindowTrial::cost() const {
 
 bool WindowTrial::pays_off() {
   constexpr double kLessInAll = 0.97;  // Share of the cost that may remain.
-  return costs_at_most(kLessInAll);
+  return costs_less_than(kLessInAll);
 }
 
-bool WindowTrial::costs_at_most(double share) {
+bool WindowTrial::costs_less_than(double share) {
   // Tolerated increase of the unexplained wrench, because a faster limb needs larger forces: a
   // ratio; a share of the robot's weight.
   constexpr double kMoreForce = 1.2, kForceNoise = 0.03;
