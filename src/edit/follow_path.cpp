@@ -57,7 +57,8 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const Calibration& calib
   return plants;
 }
 
-std::vector<Warning> doubts_about(const PlantSummary& feet) {
+// @param fits_stride  the original strides are not kept, and end before the path does.
+std::vector<Warning> doubts_about(const PlantSummary& feet, bool fits_stride) {
   std::vector<Warning> doubts;
   constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
   if (feet.largest_miss > kNotedMiss) {
@@ -70,7 +71,8 @@ std::vector<Warning> doubts_about(const PlantSummary& feet) {
                       "a standing foot was moved by " +
                           number_text(100.0 * feet.largest_correction, 0) +
                           " cm: the new path turns or accelerates where the steps do not; use a "
-                          "gentler path or " RETARGET_OPTION("keep") " stride"});
+                          "gentler path" +
+                          (fits_stride ? " or " RETARGET_OPTION("keep") " stride" : "")});
   }
   return doubts;
 }
@@ -122,11 +124,26 @@ Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibratio
   RETARGET_TRY_ASSIGN(result.feet, plant_feet(result.clip, calibration, plants, options.plant));
   result.check = check_motion(human, human, to_human(result.clip, calibration),
                               {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
+  const double way = stretch * result.source.path.length(), beyond = way - path.length();
   result.notes = {
-      {"new path", path_text(path) + ", " + number_text(result.clip.duration(), 3) + " s"},
+      {"new path",
+       path_text(path) +
+           (std::abs(beyond) < kMinPathLength ? "" : ", travel " + number_text(way, 3) + " m") +
+           ", " + number_text(result.clip.duration(), 3) + " s"},
       {"feet", planted_text(result.feet)}};
   result.doubts = as_warnings(result.check.faults);
-  for (Warning& doubt : doubts_about(result.feet)) result.doubts.push_back(std::move(doubt));
+  if (beyond >= kMinPathLength) {
+    result.doubts.push_back({0, 0,
+                             "the motion leaves the end of the path and goes straight on for " +
+                                 number_text(beyond, 2) +
+                                 " m: its own path is longer; use a longer path or " +
+                                 RETARGET_OPTION("keep") " time or speed"});
+  }
+  const bool fits_stride = options.keep != PathKeep::kStride &&
+                           result.source.path.length() < path.length() + kMinPathLength;
+  for (Warning& doubt : doubts_about(result.feet, fits_stride)) {
+    result.doubts.push_back(std::move(doubt));
+  }
   return result;
 }
 

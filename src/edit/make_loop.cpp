@@ -72,7 +72,8 @@ GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
   return advance;
 }
 
-// Returns the fraction of a rigid motion over the ground, along the arc of its repetition.
+// Returns the fraction of a rigid motion over the ground, along the arc of its repetition. The turn
+// is at most half a turn: near a full one, the fixed point would be far away.
 GroundPose part_of(const GroundPose& whole, double share) {
   constexpr double kStraight = 1e-6;
   if (std::abs(whole.heading) < kStraight) return {share * whole.position, share * whole.heading};
@@ -185,11 +186,28 @@ Clip cycle_of(const Clip& joined, int begin, int cycle, const GroundPose& advanc
   return result;
 }
 
-// Removes the advance at a constant rate, so that strides keep their own accelerations.
-void keep_in_place(Clip& cycle, const GroundPose& advance, const BodyMover& mover) {
-  for (int frame = 0; frame < cycle.frame_count(); ++frame) {
-    const double share = static_cast<double>(frame) / cycle.frame_count();
-    mover.move(cycle, frame, part_of(advance, share).inverse());
+// Removes the advance at a constant rate, so that strides keep their own accelerations. An advance
+// is whole turns and at most half a turn with a displacement. Whole turns return to the start about
+// any point; the least-squares centre of the hips' turns leaves the least movement.
+void keep_in_place(Clip& cycle, const Calibration& calibration, const GroundPose& advance,
+                   const BodyMover& mover) {
+  constexpr double kWhole = 2.0 * std::numbers::pi;
+  const double turned = kWhole * std::round(advance.heading / kWhole);
+  const GroundPose rest{advance.position, advance.heading - turned};
+  const int frames = cycle.frame_count();
+  const auto share_at = [&](int frame) { return static_cast<double>(frame) / frames; };
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  if (turned != 0.0) {
+    const std::vector<GroundPose> hips = hips_over_ground(to_human(cycle, calibration));
+    for (int frame = 0; frame < frames; ++frame) {
+      centre += part_of(rest, share_at(frame)).inverse() *
+                hips[static_cast<std::size_t>(frame)].position / frames;
+    }
+  }
+  for (int frame = 0; frame < frames; ++frame) {
+    GroundPose advanced = part_of(rest, share_at(frame));
+    if (turned != 0.0) advanced = advanced * turn_about(centre, share_at(frame) * turned);
+    mover.move(cycle, frame, advanced.inverse());
   }
 }
 
@@ -282,7 +300,7 @@ Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
   const int settle = std::max(1, std::min(frames_in(how.fade, clip.rate()), end.frame / 3));
   const int quiet = quiet_frame(to_human(joined.clip, calibration), end.frame, advance);
   Clip cycle = cycle_of(joined.clip, quiet, end.frame, advance, mover, settle);
-  if (options.in_place) keep_in_place(cycle, advance, mover);
+  if (options.in_place) keep_in_place(cycle, calibration, advance, mover);
   const double travel = options.in_place ? travel_of(to_human(cycle, calibration)) : 0.0;
   Clip whole = repeated(cycle, options, advance, mover);
   const Eigen::Vector2d start = motion.human.frame(0)[Bone::kHips].translation.head<2>();

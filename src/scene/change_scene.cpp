@@ -102,9 +102,9 @@ void change_objects(const Vector3d& shift, double scale, std::span<const Distanc
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     SceneBody& body = scene.bodies[i];
     if (!body.moves) continue;
+    const BodyAnchor anchor(body, fields[i]);
     const auto change = [&](Pose& pose) {
-      const double low = fields[i].lowest(pose.rotation);
-      pose.translation += shift + (1.0 - scale) * low * Vector3d::UnitZ();
+      pose.translation += shift + (1.0 - scale) * anchor.at(pose.rotation);
     };
     change(body.world_from_body);
     for (ObjectTrack& track : tracks) {

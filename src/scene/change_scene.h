@@ -17,8 +17,7 @@ void bring_to_world(const Eigen::Matrix3d& world_from_file, double unit, Scene& 
 /// would not keep their type become meshes.
 void scale_static_body(const Eigen::Vector3d& factors, SceneBody& body);
 
-/// Moves and scales the bodies that move, and their tracks. A scaled body keeps the heights of its
-/// lowest points.
+/// Moves and scales the bodies that move, and their tracks. A scaled body keeps its anchors.
 /// @param fields  by body, before the change
 /// @param tracks  each with the name of its body
 void change_objects(const Eigen::Vector3d& shift, double scale,

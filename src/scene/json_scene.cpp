@@ -132,7 +132,7 @@ class JsonSceneReader {
     if (named.empty()) faults_.add(where + "\"file\" must name a mesh");
     // Read files only if there are no errors so far.
     if (!faults_.empty()) return {};
-    TRY_ASSIGN(const TriangleMesh mesh, find_scene_mesh(named, file_, scale));
+    TRY_ASSIGN(const TriangleMesh mesh, find_scene_mesh(named, file_, ColladaAxes::kZUp, scale));
     for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
     return {};
   }

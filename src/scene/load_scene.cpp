@@ -22,7 +22,7 @@ using Type = SceneShape::Type;
 using Bodies = std::vector<SceneBody>;
 
 Result<Bodies> read_mesh_scene(const std::string& file) {
-  TRY_ASSIGN(const TriangleMesh mesh, load_scene_mesh(file));
+  TRY_ASSIGN(const TriangleMesh mesh, load_scene_mesh(file, ColladaAxes::kZUp));
   SceneBody body;
   body.name = fs::path(file).stem().string();
   body.shapes = shapes_of_mesh(mesh, {});

@@ -66,7 +66,8 @@ class MjcfSceneReader {
     const auto mesh = std::ranges::find(meshes_, geom, &ModelMesh::geom);
     if (mesh != meshes_.end()) {
       TRY_ASSIGN(const TriangleMesh triangles,
-                 find_scene_mesh(mesh->file, file_, mesh->scale, mesh->file_from_mesh));
+                 find_scene_mesh(mesh->file, file_, ColladaAxes::kOfFile, mesh->scale,
+                                 mesh->file_from_mesh));
       for (SceneShape& shape : shapes_of_mesh(triangles, pose)) shapes.push_back(std::move(shape));
       return {};
     }
@@ -268,7 +269,8 @@ class UrdfSceneReader {
     if (kind == "mesh") {
       TRY_ASSIGN(const auto scale, numbers(form, "scale", {1.0, 1.0, 1.0}));
       TRY_ASSIGN(const TriangleMesh mesh,
-                 find_scene_mesh(attribute_of(&form, "filename"), file_, Vector3d(scale.data())));
+                 find_scene_mesh(attribute_of(&form, "filename"), file_, ColladaAxes::kOfFile,
+                                 Vector3d(scale.data())));
       for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
       return {};
     }

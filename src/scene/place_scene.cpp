@@ -5,6 +5,7 @@
 #include "motion/resample.h"
 #include "retarget/scene.h"
 #include "retarget/text.h"
+#include "scene/body_mass.h"
 
 namespace retarget {
 namespace {
@@ -93,10 +94,13 @@ Result<void> place_track(const ObjectTrack& track, std::size_t body, const ClipT
             ", but the clip needs " + std::to_string(place.frame(last) + 1),
         track.rate ? "" : "a track without a rate has one pose per frame of the clip");
   }
+  // Positions between frames are those of the centre of mass, so that they do not depend on the
+  // origin of the body's frame.
+  const Vector3d com = body_mass(clip.scene->bodies[body]).com;
   std::vector<Vector3d> positions;
   std::vector<Eigen::Quaterniond> rotations;
   for (const Pose& pose : track.world_from_body) {
-    positions.push_back(pose.translation);
+    positions.push_back(pose * com);
     rotations.push_back(pose.rotation);
   }
   const TrackSampler<Vector3d> position(std::move(positions), Interpolation::kCubic);
@@ -104,8 +108,9 @@ Result<void> place_track(const ObjectTrack& track, std::size_t body, const ClipT
   for (int i = 0; i < times.frame_count; ++i) {
     const auto frame = static_cast<int>(place.frame(i));
     const double fraction = place.fraction(i);
+    const Eigen::Quaterniond turned = rotation.sample(frame, fraction);
     clip.world_from_body[static_cast<std::size_t>(i) * clip.scene->bodies.size() + body] = {
-        rotation.sample(frame, fraction), position.sample(frame, fraction)};
+        turned, position.sample(frame, fraction) - turned * com};
   }
   return {};
 }

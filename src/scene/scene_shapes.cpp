@@ -1,23 +1,24 @@
 #include "scene/scene_shapes.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <numbers>
 #include <utility>
 
 #include "base/try.h"
+#include "retarget/file.h"
 #include "retarget/text.h"
 #include "retarget/trigonometry.h"
-#include "robot/model/read_mesh.h"
 
 namespace retarget {
 
 using Eigen::Vector3d;
 
-Result<TriangleMesh> load_scene_mesh(const std::string& file, const Vector3d& scale,
-                                     const Pose& file_from_mesh) {
+Result<TriangleMesh> load_scene_mesh(const std::string& file, ColladaAxes axes,
+                                     const Vector3d& scale, const Pose& file_from_mesh) {
   TRY_ASSIGN(const auto content, read_mesh_file(file));
-  TRY_ASSIGN(TriangleMesh mesh, read_mesh_as_written(content.view(), file));
+  TRY_ASSIGN(TriangleMesh mesh, read_mesh_as_written(content.view(), file, axes));
   if (mesh.triangles.size() > kMaxSceneTriangles) {
     return input_failure(file,
                          "the mesh has " + std::to_string(mesh.triangles.size()) +
@@ -38,13 +39,20 @@ Result<TriangleMesh> load_scene_mesh(const std::string& file, const Vector3d& sc
 }
 
 Result<TriangleMesh> find_scene_mesh(const std::string& named, const std::string& scene_file,
-                                     const Vector3d& scale, const Pose& file_from_mesh) {
-  const auto file = find_mesh_file(named, scene_file, {});
-  if (!file) {
-    return input_failure(scene_file, "the mesh file \"" + named + "\" does not exist",
-                         "retarget searches meshes next to the scene file and one folder up");
+                                     ColladaAxes axes, const Vector3d& scale,
+                                     const Pose& file_from_mesh) {
+  if (const auto file = find_mesh_file(named, scene_file, {})) {
+    return load_scene_mesh(file->string(), axes, scale, file_from_mesh);
   }
-  return load_scene_mesh(file->string(), scale, file_from_mesh);
+  // An absolute name replaces the folder.
+  if (is_file(std::filesystem::path(scene_file).parent_path() / named)) {
+    return input_failure(scene_file,
+                         "the mesh file \"" + named + "\" is outside the folders of the scene",
+                         "retarget reads meshes only next to the scene file, one folder up, and in "
+                         "folders below; copy the mesh there");
+  }
+  return input_failure(scene_file, "the mesh file \"" + named + "\" does not exist",
+                       "retarget searches meshes next to the scene file and one folder up");
 }
 
 TriangleMesh height_mesh(const std::vector<double>& heights, std::size_t columns,

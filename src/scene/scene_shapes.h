@@ -8,6 +8,7 @@
 #include "retarget/error.h"
 #include "retarget/scene.h"
 #include "retarget/triangle_mesh.h"
+#include "robot/model/read_mesh.h"
 
 namespace retarget {
 
@@ -19,15 +20,16 @@ inline constexpr double kMaxSceneReach = 1000.0;
 inline constexpr double kHeightDepth = 1.0;
 
 /// Reads a mesh file of a scene. A vertex v becomes scale * (file_from_mesh^-1 * v), metres.
+/// @param axes  kOfFile for the meshes of robot models.
 /// Errors: those of read_file and read_mesh_as_written; more than kMaxSceneTriangles triangles;
 /// vertices beyond kMaxSceneReach.
 [[nodiscard]] Result<TriangleMesh> load_scene_mesh(
-    const std::string& file, const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(),
-    const Pose& file_from_mesh = {});
+    const std::string& file, ColladaAxes axes,
+    const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
 
 /// The same for a mesh that a scene names: next to the scene's file or one folder up.
 [[nodiscard]] Result<TriangleMesh> find_scene_mesh(
-    const std::string& named, const std::string& scene_file,
+    const std::string& named, const std::string& scene_file, ColladaAxes axes,
     const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
 
 /// Shapes with the surface of a mesh: a box for each component (a set of triangles that share

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "base/try.h"
+#include "scene/body_mass.h"
 
 namespace retarget {
 
@@ -81,25 +83,34 @@ SceneShape scaled_shape(SceneShape shape, double scale) {
   return shape;
 }
 
+Vector3d BodyAnchor::at(const Eigen::Quaterniond& world_from_body) const {
+  const Vector3d centre = world_from_body * centre_;
+  return {centre.x(), centre.y(), field_->lowest(world_from_body)};
+}
+
+BodyAnchor::BodyAnchor(const SceneBody& body, const DistanceField& field)
+    : centre_(body_mass(body).com), field_(&field) {}
+
 SceneWorld scaled_world(const SceneWorld& world, double scale) {
   SceneWorld result = world;
   Scene scene = *world.clip.scene;
   for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
     SceneBody& of_scene = scene.bodies[body];
-    of_scene.world_from_body.translation *= scale;
+    std::optional<BodyAnchor> anchor;
+    if (of_scene.moves) anchor.emplace(of_scene, world.fields[body]);
+    const auto place = [&](Pose& pose) {
+      // Every point of a static body scales, and of a moving body only the anchor.
+      const Vector3d kept = anchor ? anchor->at(pose.rotation) : Vector3d(Vector3d::Zero());
+      pose.translation = scale * pose.translation + (scale - 1.0) * kept;
+    };
+    place(of_scene.world_from_body);
+    for (int frame = 0; frame < world.clip.frame_count; ++frame) {
+      place(result.clip
+                .world_from_body[static_cast<std::size_t>(frame) * scene.bodies.size() + body]);
+    }
     if (of_scene.moves) continue;
     result.scales[body] = scale * world.scales[body];
     for (SceneShape& shape : of_scene.shapes) shape = scaled_shape(std::move(shape), scale);
-  }
-  for (int frame = 0; frame < world.clip.frame_count; ++frame) {
-    for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
-      Pose& pose =
-          result.clip.world_from_body[static_cast<std::size_t>(frame) * scene.bodies.size() + body];
-      // The lowest point of a static body scales with its shapes.
-      const double low = scene.bodies[body].moves ? world.fields[body].lowest(pose.rotation) : 0.0;
-      pose.translation *= scale;
-      pose.translation.z() += (scale - 1.0) * low;
-    }
   }
   result.clip.scene = std::make_shared<const Scene>(std::move(scene));
   return result;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <vector>
 
@@ -38,9 +39,25 @@ struct SceneWorld {
 /// The shape scaled about the origin of its body's frame.
 [[nodiscard]] SceneShape scaled_shape(SceneShape shape, double scale);
 
+/// The point of a moving body that stays in place relative to its surroundings when their size, or
+/// its own, changes: it has the height of the body's lowest point, so that an object rests on a
+/// scaled surface as on the original one, below or above the centre of its shapes. It does not
+/// depend on the origin of the body's frame.
+class BodyAnchor {
+ public:
+  /// @param field  of the body; must outlive the result.
+  BodyAnchor(const SceneBody& body, const DistanceField& field);
+
+  /// The anchor relative to the origin of the body's frame, world axes, metres.
+  [[nodiscard]] Eigen::Vector3d at(const Eigen::Quaterniond& world_from_body) const;
+
+ private:
+  Eigen::Vector3d centre_;  // Of its shapes, in the frame of the body.
+  const DistanceField* field_;
+};
+
 /// The scene around a body of another size: static bodies and all paths are scaled about the origin
-/// of the world. Moving bodies keep their size, and their lowest points have scaled heights, so that
-/// an object rests on a scaled surface as on the original one.
+/// of the world. Moving bodies keep their size, and their anchors have scaled positions.
 [[nodiscard]] SceneWorld scaled_world(const SceneWorld& world, double scale);
 
 }  // namespace retarget

@@ -15,7 +15,7 @@ ROOT = 7  # columns of the root: place and quaternion (x, y, z, w)
 WAIST_YAW, WAIST_ROLL, WAIST_PITCH = 12, 13, 14  # joints of a G1
 LEFT_SHOULDER_PITCH = 15
 LEFT_HIP_PITCH, LEFT_ELBOW, RIGHT_WRIST_YAW = 0, 18, 28
-LEGS, ARMS = range(12), range(15, 29)
+LEGS, LEFT_ARM, ARMS = range(12), range(15, 22), range(15, 29)
 
 
 def lifted(rows, metres):
@@ -40,6 +40,15 @@ def quaternion_product(a, b):
     bx, by, bz, bw = b
     return [aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
             aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz]
+
+
+def at_heading(row, degrees):
+    """Turned about the vertical through the origin."""
+    angle = math.radians(degrees)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    turn = [0, 0, math.sin(angle / 2), math.cos(angle / 2)]
+    return [cosine * row[0] - sine * row[1], sine * row[0] + cosine * row[1], row[2],
+            *quaternion_product(turn, row[3:ROOT]), *row[ROOT:]]
 
 
 def early(rows, frames):
@@ -84,6 +93,11 @@ def drawling(rows, joints, frames):
         for joint in joints:
             row[ROOT + joint] = sum(near[ROOT + joint] for near in around) / len(around)
     return changed
+
+
+def held(rows, joints):
+    """These joints as in the first frame."""
+    return [[rows[0][i] if i - ROOT in joints else value for i, value in enumerate(row)] for row in rows]
 
 
 def moved_for(rows, frames, axis, metres):
@@ -200,6 +214,7 @@ class Perturbations(ToolTest):
             "exchanges its arms": (with_arms_exchanged, {"lag_s"}),
             "glides": (lambda rows: gliding(rows, 4), {"root_bounce_pct"}),
             "drawls with its arms": (lambda rows: drawling(rows, ARMS, 10), {"fast_arm_pct"}),
+            "holds an arm still": (lambda rows: held(rows, LEFT_ARM), {"fast_arm_pct"}),
             "drawls with its legs": (lambda rows: drawling(rows, LEGS, 10), {"fast_leg_pct"})})
 
     def test_waving(self):
@@ -208,6 +223,18 @@ class Perturbations(ToolTest):
 
     def test_getting_up(self):
         self.check(sample("get_up"), PERTURBATIONS | OF_STANDING | ON_THE_FLOOR)
+
+    def test_the_heading_does_not_matter(self):
+        self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-o", "good.csv"))
+        rows = read_rows((self.folder / "good.csv").read_text())
+        found = []
+        for degrees in (0, 90, 180):
+            self.judge(sample("get_up"), [at_heading(row, degrees) for row in rows], 0)
+            report = json.loads((self.folder / "report.json").read_text())["motions"][0]
+            found.append(report)
+        for report in found[1:]:
+            for metric in ("support_slip_mean", "support_drift_p95_cm"):
+                self.assertAlmostEqual(report[metric], found[0][metric], places=4, msg=metric)
 
     def test_crawling_all_the_time(self):
         self.check(self.made("crawl"), PERTURBATIONS | ON_THE_FLOOR)

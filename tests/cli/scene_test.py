@@ -168,6 +168,20 @@ class SceneTest(ToolTest):
                       for frame in range(contact["first"], contact["last"] + 1)}
             self.assertEqual(stated, labels)
 
+    def test_a_given_rate_applies_to_the_objects_of_the_file(self):
+        self.need_shared()
+        carry = FORMATS / "omomo_sub3_largebox_003.pt"
+        lasts = []
+        for rate in ((), ("--source-fps", "60")):
+            self.assert_done(self.run_tool(
+                "contacts", carry, "--robot", "unitree_g1", "--scene",
+                SCENES / "largebox__largebox.obj", "--object-track", carry, *rate, "--json",
+                "contacts.json"))
+            found = json.loads((self.folder / "contacts.json").read_text())
+            lasts.append(max(contact["last"] / found["fps"] for contact in found["contacts"]
+                             if contact["surface"] != "floor"))
+        self.assertAlmostEqual(lasts[1], lasts[0] / 2, delta=0.05)
+
     def test_contradictions(self):
         self.write("room.json", json.dumps(SCENE))
         self.assert_fails(self.retarget("--scene", "room.json", "--method", "gmr",

@@ -9,6 +9,7 @@
 #include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/statistics.h"
+#include "retarget/text.h"
 #include "support/angles.h"
 #include "support/shared_data.h"
 
@@ -238,6 +239,31 @@ TEST(Rethreading, KeepsTimeSpeedOrStride) {
   const Clip in_stride = follow_with_report(sample, longer, PathKeep::kStride).clip;
   EXPECT_EQ(in_stride.frame_count(), sample.clip.frame_count());
   EXPECT_NEAR(way(in_stride), length, 0.02);
+}
+
+TEST(Rethreading, StridesThatLeaveThePathAreReported) {
+  const EditSample& sample = data_sample("walk");
+  const PathMotion own = path_of(sample);
+  const auto texts = [](const FollowedPath& found) {
+    std::string all;
+    for (const Warning& doubt : found.doubts) all += doubt.message + "\n";
+    return all;
+  };
+  const FollowedPath beyond = follow_with_report(sample, own.path.scaled(0.5), PathKeep::kStride);
+  EXPECT_THAT(texts(beyond), testing::HasSubstr("leaves the end of the path"));
+  const std::string half = number_text(0.5 * own.path.length(), 2);
+  EXPECT_THAT(texts(beyond), testing::HasSubstr("straight on for " + half + " m"));
+  const std::string travel = "travel " + number_text(own.path.length(), 3) + " m";
+  EXPECT_THAT(beyond.notes[0].text, testing::HasSubstr(travel));
+  const FollowedPath within = follow_with_report(sample, own.path.scaled(1.25), PathKeep::kStride);
+  EXPECT_THAT(texts(within), testing::Not(testing::HasSubstr("leaves")));
+  EXPECT_THAT(within.notes[0].text, testing::HasSubstr(travel));
+  // Strides do not fit on a tight short path either.
+  const GroundPath tight = circle_path(own.path.at(0.0), 0.3, 0.5 * own.path.length());
+  const FollowedPath moved = follow_with_report(sample, tight);
+  EXPECT_THAT(texts(moved), testing::HasSubstr("use a gentler path"));
+  EXPECT_THAT(texts(moved), testing::Not(testing::HasSubstr("stride")));
+  EXPECT_THAT(moved.notes[0].text, testing::Not(testing::HasSubstr("travel")));
 }
 
 // The feet of slower motion are planted at the played speed, not the original speed.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "base/option_name.h"
+#include "edit/fit_path.h"
 #include "edit/ground_pose.h"
 #include "edit_sample.h"
 #include "human/gait/contact_plan.h"
@@ -177,6 +178,29 @@ TEST(Loops, InPlaceReturnsToTheStart) {
               0.15);
   }
   EXPECT_EQ(loop.notes.size(), 2U);
+}
+
+// A walk once around a circle, almost or exactly.
+TEST(Loops, InPlaceRemovesFullTurns) {
+  const EditSample& sample = data_sample("walk");
+  const Clip part = cut(sample.clip, 60, 220);
+  LoopOptions options;
+  options.shortest = 3.0;
+  const Loop straight = make_loop(part, sample.calibration, options).value();
+  const PathMotion own = fit_path(part, sample.calibration).value();
+  options.shortest = straight.cycle / 30.0;
+  options.in_place = true;
+  for (const double degrees : {359.0, 360.0, 361.0}) {
+    const double radius = straight.way.norm() / (degrees * kPi / 180.0);
+    const GroundPath circle = circle_path(own.path.at(0.0), radius, own.path.length());
+    const Clip walk = follow_path(part, sample.calibration, circle, {})->clip;
+    const Loop loop = make_loop(walk, sample.calibration, options).value();
+    ASSERT_NEAR(loop.advance.heading, 2.0 * kPi, 0.1);
+    const auto hips = hips_over_ground(sample.human_of(loop.clip));
+    for (const GroundPose& place : hips) {
+      ASSERT_LT((place.position - hips.front().position).norm(), 0.2) << degrees;
+    }
+  }
 }
 
 // A walk that starts and stops is slower there than its mean speed, which is removed.

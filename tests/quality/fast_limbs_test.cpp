@@ -41,6 +41,19 @@ TEST(FastLimbs, PreserveTheRatioOfSpeeds) {
   }
 }
 
+TEST(FastLimbs, TheSlowerSideCounts) {
+  const auto both = [](double left, double right, double seconds) {
+    std::array limbs{pendulum(left, 30.0, seconds), pendulum(right, 30.0, seconds)};
+    limbs[0].side = Side::kLeft;
+    limbs[1].side = Side::kRight;
+    return fast_speed_kept(limbs, false, 30.0).value();
+  };
+  EXPECT_NEAR(both(1.0, 0.1, 10.0), 0.1, 1e-9);
+  EXPECT_NEAR(both(0.1, 1.0, 10.0), 0.1, 1e-9);
+  // Four fast frames of one side are fewer than 0.2 s, so that both sides count together.
+  EXPECT_NEAR(both(0.1, 0.3, 6.0), 0.2, 1e-9);
+}
+
 TEST(FastLimbs, AreMeasuredWhereTheHumanIsFast) {
   // The robot stops where the human is slowest.
   LimbDirections limb = pendulum(1.0, 30.0);

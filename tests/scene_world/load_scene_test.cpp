@@ -1,9 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
 #include <sstream>
+#include <string>
 
 #include "retarget/scene.h"
 #include "retarget/so3.h"
@@ -102,7 +105,62 @@ TEST_F(LoadScene, ReadsMeshesOfJsonNextToIt) {
   ASSERT_TRUE(scene) << describe(scene.error());
   EXPECT_LT((scene->bodies[0].shapes[0].half_size - Vector3d(1, 0.5, 2)).norm(), 1e-12);
   EXPECT_THAT(error_of("b.json", start + R"("cub.obj"}]}]})"), HasSubstr("does not exist"));
-  EXPECT_THAT(error_of("c.json", start + R"("/etc/passwd"}]}]})"), HasSubstr("does not exist"));
+  // This file exists, but not in the folders of the scene.
+  const std::string outside = error_of("c.json", start + R"("/etc/passwd"}]}]})");
+  EXPECT_THAT(outside, HasSubstr("outside the folders of the scene"));
+  EXPECT_THAT(outside, HasSubstr("copy the mesh"));
+  EXPECT_THAT(error_of("d.json", start + R"("/no/such.obj"}]}]})"), HasSubstr("does not exist"));
+}
+
+// A wedge with three different sizes, in COLLADA's axes.
+std::string collada(const std::string& up_axis, const std::array<Vector3d, 4>& corners) {
+  std::ostringstream text;
+  text << "<COLLADA><asset><unit meter=\"1\"/>" << up_axis
+       << "</asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array>";
+  for (const Vector3d& corner : corners) text << corner.transpose() << " ";
+  text << "</float_array></source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/>"
+          "</vertices><triangles><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
+          "<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>"
+          "<library_visual_scenes><visual_scene><node><instance_geometry url=\"#g\"/></node>"
+          "</visual_scene></library_visual_scenes></COLLADA>";
+  return text.str();
+}
+
+TEST_F(LoadScene, RotatesColladaToZUp) {
+  // Right, forward and up.
+  const std::array<Vector3d, 4> wanted = {Vector3d(0, 0, 0), {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+  std::array<Vector3d, 4> x_up, y_up;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vector3d& at = wanted[i];
+    x_up[i] = {at.z(), -at.x(), -at.y()};
+    y_up[i] = {at.x(), at.z(), -at.y()};
+  }
+  const auto expect_corners = [&](const Scene& scene) {
+    const auto& vertices = scene.bodies[0].shapes[0].mesh->vertices;
+    ASSERT_EQ(vertices.size(), 4U);
+    for (const Vector3d& at : wanted) EXPECT_EQ(std::ranges::count(vertices, at), 1) << at;
+  };
+  const auto expect_wanted = [&](const char* name, const std::string& text) {
+    folder_.write("mesh.dae", text);
+    const auto direct = load(name, text);
+    const auto named = load("named.json", R"({"bodies": [{"shapes": [{"type": "mesh",
+                                             "file": "mesh.dae"}]}]})");
+    for (const auto* scene : {&direct, &named}) {
+      ASSERT_TRUE(*scene) << describe(scene->error());
+      expect_corners(**scene);
+    }
+  };
+  expect_wanted("z.dae", collada("<up_axis>Z_UP</up_axis>", wanted));
+  expect_wanted("x.dae", collada("<up_axis>X_UP</up_axis>", x_up));
+  expect_wanted("y.dae", collada("<up_axis> Y_UP </up_axis>", y_up));
+  expect_wanted("default.dae", collada("", y_up));
+  // Loaders of URDF ignore the up axis.
+  folder_.write("mesh.dae", collada("<up_axis>Y_UP</up_axis>", wanted));
+  const auto robot = load("robot.urdf",
+                          R"(<robot name="r"><link name="a"><collision><geometry>
+                             <mesh filename="mesh.dae"/></geometry></collision></link></robot>)");
+  ASSERT_TRUE(robot) << describe(robot.error());
+  expect_corners(*robot);
 }
 
 TEST_F(LoadScene, RecognisesBoxesInMeshes) {

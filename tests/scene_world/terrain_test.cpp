@@ -9,6 +9,7 @@
 #include <random>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "scene/change_scene.h"
 #include "scene/scene_world.h"
@@ -115,6 +116,70 @@ TEST(ChangedScene, ResizedObjectsStayOnTheirSupportSurface) {
   EXPECT_NEAR(scene.bodies[0].shapes[0].half_size.z(), 0.45, 1e-12);
   EXPECT_NEAR(scene.bodies[0].mass, 2.0 * 3.375, 1e-9);
   EXPECT_NEAR(scene.bodies[1].world_from_body.translation.z(), 0.5, 1e-12);
+}
+
+// A moving box whose frame lies at `origin` in the box, and is turned by a quarter.
+struct FramedBox {
+  explicit FramedBox(const Vector3d& origin)
+      : box_from_body{Eigen::Quaterniond(Eigen::AngleAxisd(kQuarter, Vector3d::UnitZ())), origin} {
+    SceneBody& body = scene.bodies.emplace_back();
+    body.name = "box";
+    body.moves = true;
+    SceneShape& shape = body.shapes.emplace_back();
+    shape.half_size = {0.4, 0.2, 0.3};
+    shape.body_from_shape = box_from_body.inverse();
+    body.world_from_body = world_from_box * box_from_body;
+  }
+
+  static constexpr double kQuarter = 1.5707963267948966;
+  Pose box_from_body;
+  Pose world_from_box{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(0.6, 0.0, 0.8))),
+                      {2.0, -1.0, 0.5}};
+  Scene scene;
+};
+
+TEST(ChangedScene, FramesOfObjectsDoNotMatter) {
+  for (const Vector3d& origin : {Vector3d(0.0, 0.0, 0.0), Vector3d(0.3, -0.2, 0.1)}) {
+    const FramedBox framed(origin);
+    const Pose& before = framed.scene.bodies[0].world_from_body;
+    const SceneWorld world = scaled_world(world_of(framed.scene), 0.75);
+    const Pose scaled = world.clip.pose(0, 0) * framed.box_from_body.inverse();
+    EXPECT_LT((scaled.translation.head<2>() - Vector2d(1.5, -0.75)).norm(), 1e-12);
+    EXPECT_LT((world.clip.scene->bodies[0].world_from_body.translation -
+               world.clip.pose(0, 0).translation)
+                  .norm(),
+              1e-12);
+
+    Scene larger = framed.scene;
+    ObjectTrack track;
+    track.body = "box";
+    track.world_from_body = {before};
+    const SceneWorld first = world_of(framed.scene);
+    change_objects({0.1, 0.0, 0.0}, 1.5, first.fields, larger, std::span(&track, 1));
+    const Vector3d centre =
+        track.world_from_body[0] * larger.bodies[0].shapes[0].body_from_shape.translation;
+    EXPECT_LT((centre.head<2>() - Vector2d(2.1, -1.0)).norm(), 1e-12);
+  }
+}
+
+TEST(ChangedScene, FramesOfObjectsDoNotMatterBetweenFrames) {
+  // The box turns and moves; at 60 fps, every second frame is between two of the track.
+  std::vector<Pose> found;
+  for (const Vector3d& origin : {Vector3d(0.0, 0.0, 0.0), Vector3d(1.0, -0.5, 0.3)}) {
+    const FramedBox framed(origin);
+    ObjectTrack track;
+    track.rate = FrameRate{30, 1};
+    for (int frame = 0; frame < 5; ++frame) {
+      const Pose box{Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * frame, Vector3d::UnitZ())),
+                     {0.01 * frame * frame, 0.1 * frame, 0.5}};
+      track.world_from_body.push_back(box * framed.box_from_body);
+    }
+    const auto clip = place_scene(std::make_shared<const Scene>(framed.scene), std::span(&track, 1),
+                                  {FrameRate{30, 1}, 5, 0, FrameRate{60, 1}, 9});
+    ASSERT_TRUE(clip);
+    found.push_back(clip->pose(3, 0) * framed.box_from_body.inverse());
+  }
+  EXPECT_LT((found[0].translation - found[1].translation).norm(), 1e-12);
 }
 
 TEST(ChangedScene, ConvertsFilesWithOtherAxes) {

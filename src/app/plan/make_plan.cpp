@@ -202,7 +202,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   TRY(load_edits(clip, plan));
-  TRY(load_surroundings(plan));
+  TRY(load_surroundings(clip, plan));
   TRY(check_scene_fit(clip, plan));
   TRY(scale_source_travel(clip, plan));
   TRY(vary_scene(clip, plan));

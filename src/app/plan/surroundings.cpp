@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <limits>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -20,18 +22,31 @@
 #include "retarget/resample.h"
 #include "retarget/restore_motion.h"
 #include "retarget/text.h"
+#include "scene/body_mass.h"
 #include "scene/change_scene.h"
 #include "scene/scene_shapes.h"
 #include "solve/fit/foot_plan.h"
 
 namespace retarget {
 
-Result<void> load_surroundings(Plan& plan) {
+namespace {
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return std::filesystem::equivalent(a, b, missing) && !missing;
+}
+
+}  // namespace
+
+Result<void> load_surroundings(const Clip& clip, Plan& plan) {
   const SolveOptions& solve = plan.options.solve;
   if (solve.scene.empty()) return {};
   TRY_ASSIGN(Scene scene, load_scene(solve.scene));
   for (const std::string& spec : solve.object_tracks) {
     TRY_ASSIGN(ObjectTrack track, load_object_track(spec));
+    // The user's rate replaces that of the whole file.
+    const bool is_of_clip = is_same_file(object_track_file(spec), clip.name());
+    if (plan.options.source.source_fps > 0.0 && is_of_clip) track.rate.reset();
     plan.object_tracks.push_back(std::move(track));
   }
   if (solve.scene_axes == SceneAxes::kClip) {
@@ -61,18 +76,21 @@ SceneClip warp_scene(const SceneClip& clip, const TimeScale& scale) {
   const std::size_t bodies = clip.scene->bodies.size();
   warped.world_from_body.resize(frames.size() * bodies);
   for (std::size_t body = 0; body < bodies; ++body) {
+    const SceneBody& of_scene = clip.scene->bodies[body];
+    const Eigen::Vector3d centre =
+        of_scene.moves ? body_mass(of_scene).com : Eigen::Vector3d(Eigen::Vector3d::Zero());
     std::vector<Eigen::Vector3d> places;
     std::vector<Eigen::Quaterniond> rotations;
     for (int frame = 0; frame < clip.frame_count; ++frame) {
-      places.push_back(clip.pose(frame, body).translation);
+      places.push_back(clip.pose(frame, body) * centre);
       rotations.push_back(clip.pose(frame, body).rotation);
     }
     const TrackSampler<Eigen::Vector3d> place(std::move(places), Interpolation::kCubic);
     const TrackSampler<Eigen::Quaterniond> rotation(std::move(rotations), Interpolation::kLinear);
     for (std::size_t i = 0; i < frames.size(); ++i) {
+      const Eigen::Quaterniond turned = rotation.sample(frames[i].frame, frames[i].share);
       warped.world_from_body[i * bodies + body] = {
-          rotation.sample(frames[i].frame, frames[i].share),
-          place.sample(frames[i].frame, frames[i].share)};
+          turned, place.sample(frames[i].frame, frames[i].share) - turned * centre};
     }
   }
   for (StatedContact& contact : warped.contacts) {

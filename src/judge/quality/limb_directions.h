@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "retarget/human.h"
+
 namespace retarget {
 
 /// A point that defines an end of a robot's limb.
@@ -22,7 +24,8 @@ struct LimbDirections {
   /// The limb extends from the middle of the points `from` to the middle of the points `to`.
   std::array<LimbEnd, 2> from, to;
   int rank = 0;  ///< 0: trunk and lines across it; 1: thighs and upper arms; 2: outer limbs.
-  bool of_legs = false;  ///< Whether it belongs to the legs or is the line between the hips.
+  bool of_legs = false;     ///< Whether it belongs to the legs or is the line between the hips.
+  Side side = Side::kNone;  ///< kNone: trunk and lines across it.
   std::vector<Eigen::Vector3d> human, robot;
   /// By frame: whether the human's limb is so high that the floor does not constrain it. Empty: in
   /// all frames.

@@ -86,6 +86,7 @@ std::optional<LimbDirections> TrackingMeasure::directions_of(const LimbSegment& 
   LimbDirections found;
   found.rank = rank_of(segment);
   found.of_legs = is_of_legs(segment);
+  if (found.rank > 0) found.side = side_of(segment.from[0]);
   found.from = {end_of(segment.from[0]), end_of(segment.from[1])};
   found.to = {end_of(segment.to[0]), end_of(segment.to[1])};
   for (int frame = 0; frame < frames_; ++frame) {

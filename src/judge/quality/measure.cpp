@@ -1,5 +1,6 @@
 #include "retarget/measure.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -22,7 +23,7 @@
 #include "judge/quality/scene_metrics.h"
 #include "judge/quality/similarity_metrics.h"
 #include "judge/quality/support_metrics.h"
-#include "judge/quality/tracking_metrics.h"
+#include "judge/quality/tracking_measure.h"
 #include "retarget/pose.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/limit_diagnosis.h"
@@ -79,7 +80,9 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
                                  source.config->root_bone, *source.human);
   QualitySource held = source;
   held.human = &seen;
-  measure_tracking(draft, tracks, held, limits, upright_posture(draft.clip.frame_count()), frames);
+  if (frames == 0) return;
+  const Posture posture = upright_posture(draft.clip.frame_count());
+  TrackingMeasure(draft, tracks, held, limits, posture, frames).measure();
 }
 
 // The feet of a source and the ground on which they stand. The source may be longer; only the
@@ -101,7 +104,8 @@ struct SourceGround {
 // Compares the robot's contacts with floor and scene with those of its source.
 void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
                       const QualitySource& source, const SourceGround& ground,
-                      const Posture& posture, int frames) {
+                      const Eigen::Quaterniond& robot_from_human, const Posture& posture,
+                      int frames) {
   const HumanClip& human = *source.human;
   const bool tracked = source.config != nullptr;
   const SourceFeet& feet = ground.feet;
@@ -110,7 +114,9 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);
   const auto scale = tracked ? foot_scale(source, draft.clip.robot()) : std::nullopt;
-  if (tracked) measure_supports(draft, *source.config, feet, contacts, scale.value_or(1.0));
+  if (tracked) {
+    measure_supports(draft, *source.config, feet, robot_from_human, contacts, scale.value_or(1.0));
+  }
   std::vector<char> touches_scene;
   if (tracked && scale && source.scene != nullptr) {
     touches_scene =
@@ -188,8 +194,12 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   } else if (source != nullptr) {
     report.source_frames = frames;
     measure_source_slide(draft, *source->human, frames);
-    measure_on_floor(draft, tracks, *source, *ground, posture, frames);
-    if (tracked) measure_tracking(draft, tracks, *source, limits, posture, frames);
+    std::optional<TrackingMeasure> tracking;
+    if (tracked && frames > 0) tracking.emplace(draft, tracks, *source, limits, posture, frames);
+    const Eigen::Quaterniond robot_from_human =
+        tracking ? tracking->robot_from_human() : Eigen::Quaterniond::Identity();
+    measure_on_floor(draft, tracks, *source, *ground, robot_from_human, posture, frames);
+    if (tracking) tracking->measure();
   }
   std::ranges::sort(report.values, {}, &MetricValue::metric);
   return report;

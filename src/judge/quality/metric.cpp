@@ -167,7 +167,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"support_slip_mean", "m/s",
      "Mean horizontal speed of the robot's corresponding body while the source's is on the floor, "
-     "relative to the source's slide, scaled; 0 if there is no such contact.",
+     "relative to the source's slide, scaled, after removing a constant yaw; 0 if there is no such "
+     "contact.",
      kOwn},
     {"support_drift_p95_cm", "cm",
      "Largest horizontal distance of this body, without the slide, from its median position within "
@@ -257,8 +258,9 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"fast_arm_pct", "%",
      "Angular speed of the robot's upper arms and forearms relative to the human's, over 0.1 s, in "
      "the fastest 2 % of the frames of each human limb. Excludes frames in which the floor may "
-     "constrain the limb. For clips of at least one second with arms faster than 2 rad/s for at "
-     "least 0.1 s.",
+     "constrain the limb. The lowest of both arms together and of each arm that is faster than 2 "
+     "rad/s for at least 0.2 s. For clips of at least one second with arms faster than 2 rad/s for "
+     "at least 0.1 s.",
      kOwn},
     {"fast_leg_pct", "%", "The same for thighs and shins.", kOwn},
     {"joint_offset_rad", "rad",

@@ -128,19 +128,23 @@ std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double 
   return (lag + part) / fps;
 }
 
-std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, bool of_legs,
-                                      double fps) {
+namespace {
+
+// @param side   kNone: both.
+// @param least  time with fast limbs, seconds; less is chance.
+std::optional<double> fast_speed_of_side(std::span<const LimbDirections> limbs, bool of_legs,
+                                         Side side, double least, double fps) {
   // Longer than the snap of a marker or of a wrong pose, which a robot need not follow.
   constexpr double kStepSeconds = 0.1, kShortest = 1.0;
   constexpr double kFastShare = 0.02;
-  constexpr double kSlow = 2.0;          // rad/s
-  constexpr double kLeastSeconds = 0.1;  // Of all limbs together; less is chance.
+  constexpr double kSlow = 2.0;  // rad/s
   const auto step = static_cast<std::size_t>(std::max(1L, std::lround(kStepSeconds * fps)));
   double of_human = 0.0, of_robot = 0.0;
   int fast = 0;
   std::vector<std::pair<double, double>> speeds;  // Human, robot.
   for (const LimbDirections& limb : limbs) {
-    const bool counts = limb.rank > 0 && limb.of_legs == of_legs;
+    const bool counts =
+        limb.rank > 0 && limb.of_legs == of_legs && (side == Side::kNone || limb.side == side);
     if (!counts || static_cast<double>(limb.human.size()) < kShortest * fps) continue;
     speeds.clear();
     for (std::size_t i = step; i < limb.human.size(); ++i) {
@@ -159,8 +163,21 @@ std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, boo
       ++fast;
     }
   }
-  if (fast == 0 || fast < kLeastSeconds * fps) return std::nullopt;
+  if (fast == 0 || fast < least * fps) return std::nullopt;
   return of_robot / of_human;
+}
+
+}  // namespace
+
+std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, bool of_legs,
+                                      double fps) {
+  constexpr double kOfBoth = 0.1, kOfOne = 0.2;  // Seconds.
+  auto lowest = fast_speed_of_side(limbs, of_legs, Side::kNone, kOfBoth, fps);
+  for (const Side side : kSides) {
+    const auto kept = fast_speed_of_side(limbs, of_legs, side, kOfOne, fps);
+    if (kept && lowest) lowest = std::min(*kept, *lowest);
+  }
+  return lowest;
 }
 
 std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,

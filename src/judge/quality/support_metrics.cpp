@@ -16,9 +16,11 @@ namespace {
 
 class SupportMeter {
  public:
-  SupportMeter(const ReportBuilder& draft, const SourceFeet& source, double size, double scale)
+  SupportMeter(const ReportBuilder& draft, const SourceFeet& source,
+               const Eigen::Quaterniond& robot_from_human, double size, double scale)
       : draft_(draft),
         source_(source),
+        robot_from_human_(robot_from_human.toRotationMatrix().topLeftCorner<2, 2>()),
         radius_(kRestingRadius * size),
         scale_(scale),
         state_(draft.clip.robot().tree()),
@@ -33,7 +35,8 @@ class SupportMeter {
     for (int frame = phase.begin; frame < phase.end; ++frame) {
       state_.update(draft_.clip.qpos(frame));
       middles.push_back(body.world_middle(state_));
-      middles.back().head<2>() -= scale_ * slide.follow(source_.support(frame, body.support));
+      const Eigen::Vector2d slid = slide.follow(source_.support(frame, body.support));
+      middles.back().head<2>() -= scale_ * (robot_from_human_ * slid);
       const double height = body.lowest(state_).height;
       motion_.heights.push_back(height);
       if (height > kHigh) high_.add(name, frame, height);
@@ -63,6 +66,7 @@ class SupportMeter {
 
   const ReportBuilder& draft_;
   const SourceFeet& source_;
+  const Eigen::Matrix2d robot_from_human_;  // A constant yaw.
   double radius_, scale_;
   TreeState state_;
   ContactMotion motion_;
@@ -72,10 +76,11 @@ class SupportMeter {
 }  // namespace
 
 void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
-                      const SourceFeet& source, const ContactPlan& contacts, double scale) {
+                      const SourceFeet& source, const Eigen::Quaterniond& robot_from_human,
+                      const ContactPlan& contacts, double scale) {
   const std::vector<SupportBody> bodies = support_bodies(draft.clip.robot(), config);
   if (bodies.empty()) return;
-  SupportMeter meter(draft, source, contacts.scale, scale);
+  SupportMeter meter(draft, source, robot_from_human, contacts.scale, scale);
   for (const SupportBody& body : bodies) {
     for (const ContactPhase& phase : contacts.bodies[body.support]) meter.add(body, phase);
   }

@@ -23,6 +23,10 @@
 
 namespace retarget {
 
+/// The bodies whose poses TrackingMeasure uses: the root and the bodies of the tables, without
+/// duplicates.
+[[nodiscard]] std::vector<int> tracked_bodies(const ResolvedConfig& config);
+
 /// A row of a retargeting configuration whose bone the source has.
 struct TrackedRow {
   const ConfigTask* task = nullptr;
@@ -35,6 +39,10 @@ struct TrackedRow {
 /// Measures how closely a robot's bodies, limbs, trunk and root follow its source.
 class TrackingMeasure {
  public:
+  /// All arguments must outlive the result.
+  /// @param tracks  contains the poses of tracked_bodies().
+  /// @param limits  joint ranges.
+  /// @param frames  number of frames that motion and source share, at least one.
   TrackingMeasure(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
                   const LimitSet& limits, const Posture& posture, int frames)
       : draft_(draft),
@@ -54,6 +62,8 @@ class TrackingMeasure {
   }
 
   void measure() const;
+  /// The constant yaw that aligns the human with the robot.
+  [[nodiscard]] const Eigen::Quaterniond& robot_from_human() const { return robot_from_human_; }
 
  private:
   [[nodiscard]] double size_ratio(const QualitySource& source) const;
@@ -125,7 +135,7 @@ class TrackingMeasure {
   BoneArray<int> target_of_bone_;           // Every row with a weight has a target.
   std::vector<Eigen::Vector3d> root_path_;  // Target positions of the root by frame.
   int root_body_ = 0;                       // Index into BodyTracks::kept_bodies.
-  Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // A constant yaw.
+  Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();
 };
 
 }  // namespace retarget

@@ -1,5 +1,3 @@
-#include "judge/quality/tracking_metrics.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -181,13 +179,6 @@ std::vector<int> tracked_bodies(const ResolvedConfig& config) {
     }
   }
   return bodies;
-}
-
-void measure_tracking(const ReportBuilder& draft, const BodyTracks& tracks,
-                      const QualitySource& source, const LimitSet& limits, const Posture& posture,
-                      int frames) {
-  if (frames == 0 || tracks.kept_bodies.empty()) return;
-  TrackingMeasure(draft, tracks, source, limits, posture, frames).measure();
 }
 
 }  // namespace retarget

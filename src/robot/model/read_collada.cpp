@@ -54,9 +54,26 @@ void each(const XMLElement* parent, const char* name, const Call& call) {
   }
 }
 
+// The rotation that keeps the directions right, up and toward the viewer. With X up, right is -Y and
+// toward the viewer Z; with Y up, X and Z; with Z up, X and -Y.
+Eigen::Matrix3d z_up_from_file(const XMLElement* asset) {
+  const XMLElement* stated = asset == nullptr ? nullptr : asset->FirstChildElement("up_axis");
+  std::string_view text =
+      stated == nullptr || stated->GetText() == nullptr ? "" : stated->GetText();
+  const std::string_view up = take_word(text);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (up == "Z_UP") return turn;
+  if (up == "X_UP") {
+    turn << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  } else {
+    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  }
+  return turn;
+}
+
 class ColladaReader {
  public:
-  explicit ColladaReader(const XMLElement& root) {
+  ColladaReader(const XMLElement& root, ColladaAxes axes) {
     each(root.FirstChildElement("library_geometries"), "geometry", [&](const XMLElement& geometry) {
       geometries_[attribute_of(&geometry, "id")] = &geometry;
     });
@@ -65,10 +82,11 @@ class ColladaReader {
     if (unit != nullptr) {
       if (const auto metres = parse_number<double>(attribute_of(unit, "meter"))) metres_ = *metres;
     }
+    Matrix4d from_file = Matrix4d::Identity();
+    if (axes == ColladaAxes::kZUp) from_file.topLeftCorner<3, 3>() = z_up_from_file(asset);
     each(root.FirstChildElement("library_visual_scenes"), "visual_scene",
          [&](const XMLElement& scene) {
-           each(&scene, "node",
-                [&](const XMLElement& node) { add_node(node, Matrix4d::Identity(), 0); });
+           each(&scene, "node", [&](const XMLElement& node) { add_node(node, from_file, 0); });
          });
   }
 
@@ -198,14 +216,15 @@ bool ColladaReader::add_triangles(const XMLElement& primitive, std::size_t first
 
 }  // namespace
 
-Result<TriangleMesh> read_collada(std::string_view bytes, const std::string& file) {
+Result<TriangleMesh> read_collada(std::string_view bytes, const std::string& file,
+                                  ColladaAxes axes) {
   tinyxml2::XMLDocument document;
   const auto parsed = parse_xml(bytes, document);
   const XMLElement* root = document.RootElement();
   if (!parsed || root == nullptr || std::string_view(root->Name()) != "COLLADA") {
     return input_failure(file, "is not a COLLADA file");
   }
-  ColladaReader reader(*root);
+  ColladaReader reader(*root, axes);
   if (!reader.sound()) return input_failure(file, "the COLLADA file is damaged");
   return reader.take();
 }

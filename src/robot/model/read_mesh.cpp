@@ -248,12 +248,13 @@ double largest_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<TriangleMesh> read_mesh_as_written(std::string_view bytes, const std::string& file) {
+Result<TriangleMesh> read_mesh_as_written(std::string_view bytes, const std::string& file,
+                                          ColladaAxes axes) {
   TriangleMesh mesh;
   if (is_binary_stl(bytes)) {
     mesh = read_binary_stl(bytes);
   } else if (lower_case(file).ends_with(".dae")) {
-    TRY_ASSIGN(mesh, read_collada(bytes, file));
+    TRY_ASSIGN(mesh, read_collada(bytes, file, axes));
   } else if (lower_case(file).ends_with(".obj")) {
     TRY_ASSIGN(mesh, read_obj(bytes, file));
   } else {

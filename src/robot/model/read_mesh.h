@@ -46,14 +46,22 @@ inline constexpr double kMeshReach = 10.0;
 /// @param file  used in messages.
 [[nodiscard]] Result<TriangleMesh> read_mesh(std::string_view bytes, const std::string& file);
 
+/// Axes of the mesh that is read from a COLLADA file.
+enum class ColladaAxes : unsigned char {
+  kOfFile,  ///< The stated up axis is ignored, as robot tools do.
+  kZUp,     ///< The file's axes, Y up if it states none, are rotated to Z up.
+};
+
 /// Reads a mesh without guessing its unit: STL and OBJ in the file's unit, COLLADA, which states
 /// its unit, in metres.
 [[nodiscard]] Result<TriangleMesh> read_mesh_as_written(std::string_view bytes,
-                                                        const std::string& file);
+                                                        const std::string& file,
+                                                        ColladaAxes axes = ColladaAxes::kOfFile);
 
-/// Reads the triangles of a COLLADA file as robot tools place them: node poses and the unit of
-/// length apply, the up axis does not. Instances in node libraries are ignored.
-[[nodiscard]] Result<TriangleMesh> read_collada(std::string_view bytes, const std::string& file);
+/// Reads the triangles of a COLLADA file in metres, with the poses of its nodes. Instances in node
+/// libraries are ignored.
+[[nodiscard]] Result<TriangleMesh> read_collada(std::string_view bytes, const std::string& file,
+                                                ColladaAxes axes);
 
 /// Rejects a mesh that exceeds kMeshReach.
 [[nodiscard]] Result<void> check_mesh_reach(const TriangleMesh& mesh, const std::string& file);

@@ -61,13 +61,14 @@ SceneSupports::BodyMotion SceneSupports::motion_of(int frame, std::size_t body) 
     const Pose &before = world_.clip.pose(middle - half, body),
                &at = world_.clip.pose(middle, body), &after = world_.clip.pose(middle + half, body);
     const double time = half * frame_time;
-    motion.velocity = (after.translation - before.translation) / (2.0 * time);
+    motion.velocity = (after * mass.com - before * mass.com) / (2.0 * time);
     motion.spin = log_so3(after.rotation * before.rotation.conjugate()) / (2.0 * time);
     acceleration = (after * mass.com - 2.0 * (at * mass.com) + before * mass.com) / (time * time);
   }
   const double low =
       now.translation.z() + world_.scales[body] * world_.fields[body].lowest(now.rotation);
-  Vector3d below = now * mass.com;
+  motion.com = now * mass.com;
+  Vector3d below = motion.com;
   below.z() = low + kRests;
   const double gap = low - world_.ground_below(frame, below);
   motion.lifted = smooth_step(kRests, kLifted, gap);
@@ -87,8 +88,7 @@ std::optional<std::size_t> SceneSupports::touched(int frame, const Vector3d& cen
     Vector3d relative = velocity;
     if (const BodyMotion* moves = motion(at, body)) {
       if (moves->lifted > kHeld) continue;
-      relative -=
-          moves->velocity + moves->spin.cross(centre - world_.clip.pose(at, body).translation);
+      relative -= moves->velocity + moves->spin.cross(centre - moves->com);
     }
     if (!(relative.norm() < speed)) continue;
     const double distance = world_.distance(at, body, centre).distance - radius;

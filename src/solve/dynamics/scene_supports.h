@@ -53,7 +53,8 @@ class SceneSupports {
  private:
   // Motion of a moving body in one frame.
   struct BodyMotion {
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // Of its origin, m/s.
+    Eigen::Vector3d com = Eigen::Vector3d::Zero();       // Centre of mass, world, metres.
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // Of the centre of mass, m/s.
     Eigen::Vector3d spin = Eigen::Vector3d::Zero();      // Angular velocity, world axes, rad/s.
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // Carrying force times `lifted`, N.
     double lifted = 0.0;                                 // See lifted().
