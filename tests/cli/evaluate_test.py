@@ -118,7 +118,7 @@ class Crawling(ToolTest):
         self.assertNotIn("missed   ", result.stderr)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
         # By their heights some feet stand, but no sole is near the floor.
-        self.assertGreater(motion["contact_pct"], 14)
+        self.assertGreater(motion["contact_pct"], 3)
         self.assertNotIn("stance_height_p50_cm", motion)
         # Elbows, knees and insteps support the body.
         self.assertGreater(motion["support_pct"], 100)
