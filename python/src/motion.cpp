@@ -4,7 +4,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -101,16 +100,13 @@ nb::object source(const MotionHandle& motion) {
   return motion.solved ? nb::cast(ClipHandle(motion.solved->source)) : nb::none();
 }
 
-// A motion's own precision is a default, which formats that print no numbers ignore.
+// A motion's own precision is a default, which formats that print no numbers ignore. If it is the
+// only option that the formats reject, it has no effect on them.
 void drop_unused_precision(const std::string& path, SaveOptions& save) {
+  if (plan_outputs(path, save)) return;
   SaveOptions usual = save;
   usual.precision = SaveOptions().precision;
-  const auto items = plan_outputs(path, usual);
-  if (!items) return;
-  const bool prints = std::ranges::any_of(*items, [](const OutputItem& item) {
-    return item.format == MotionFormat::kCsv || item.format == MotionFormat::kCsvSoma;
-  });
-  if (!prints) save = std::move(usual);
+  if (plan_outputs(path, usual)) save = std::move(usual);
 }
 
 void save_motion(const MotionHandle& motion, const nb::object& file, const nb::kwargs& options) {

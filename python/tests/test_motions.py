@@ -160,6 +160,17 @@ def test_options_of_the_output_stay(walk: retarget.Clip, g1: retarget.Robot,
     assert lines[0].startswith("root_x") and len(lines[1].split(",")[0].split(".")[1]) == 3
 
 
+def test_formats_without_numbers_ignore_the_precision_of_the_motion(
+        walk: retarget.Clip, g1: retarget.Robot, tmp_path: Path) -> None:
+    motion = retarget.to_robot(walk, g1, method="gmr", precision=3, end=0.2)
+    motion.save(tmp_path / "part.pkl", format="pkl-gmr")
+    with pytest.raises(retarget.UsageError, match="precision"):
+        motion.save(tmp_path / "part.pkl", format="pkl-gmr", precision=3)
+    motion.save(tmp_path / "part.csv", format="csv,pkl-gmr")
+    first = (tmp_path / "part.csv").read_text().splitlines()[0]
+    assert len(first.split(",")[0].split(".")[1]) == 3
+
+
 def test_to_dict(walked: retarget.Motion) -> None:
     every = walked.to_dict()
     assert every["robot"] == "unitree_g1" and every["fps"] == 30.0

@@ -178,18 +178,26 @@ void describe_seam(Concatenation& joined, const FrameRate& rate) {
                        number_text(check.usual_acceleration, 1))});
 }
 
-// @param longest  length of the longer clip, seconds.
-void judge_seam(Concatenation& joined, bool searched_all, double longest, const std::string& a_name,
-                const std::string& b_name) {
+// Frame pairs of which seams are possible.
+std::string searched_range(const Concatenation& joined, bool everywhere, double shortest) {
+  if (everywhere) return "anywhere that enough of both clips remains";
+  const std::string within = "within " + number_text(joined.band, 1) + " s";
+  // The search tries all pairs of a range in which no seam drops most of the shorter clip.
+  const bool all_pairs = 2.0 * joined.band <= kMostLost * shortest;
+  return all_pairs ? within : within + " where enough of both clips remains";
+}
+
+void judge_seam(Concatenation& joined, bool searched_all, const Clip& a, const Clip& b,
+                const std::string& a_name, const std::string& b_name) {
   const std::vector<std::string>& faults = joined.check.faults;
   for (Warning& fault : as_warnings(faults)) joined.doubts.push_back(std::move(fault));
   if (faults.empty()) return;
   // A band as long as the clips has covered everything.
+  const auto [shortest, longest] = std::minmax({a.duration(), b.duration()});
   const bool everywhere = searched_all || joined.band >= longest;
   joined.misfit =
       run_failure(b_name,
-                  "does not fit " + a_name + " " +
-                      (everywhere ? "anywhere" : "within " + number_text(joined.band, 1) + " s") +
+                  "does not fit " + a_name + " " + searched_range(joined, everywhere, shortest) +
                       ": " + list_names(faults),
                   std::string(RETARGET_OPTION("force") " joins them anyway") +
                       (everywhere ? "" : "; " RETARGET_OPTION("search") " all searches everywhere"))
@@ -272,7 +280,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const Calibratio
   }
   RETARGET_TRY_ASSIGN(auto joined, Joiner(a, b, calibration, *mover, options).run());
   describe_seam(joined, a.rate());
-  judge_seam(joined, options.seam.search_all, std::max(a.duration(), b.duration()), a_name, b_name);
+  judge_seam(joined, options.seam.search_all, a, b, a_name, b_name);
   return joined;
 }
 

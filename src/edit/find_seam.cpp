@@ -37,9 +37,12 @@ bool has_contacts(const ContactPlan& contacts) {
 // Metres: poses closer than this are equal.
 constexpr double kSame = 1e-5;
 
-// A seam that drops more frames than this share of the shorter clip leaves little more than the
-// longer clip: for example, a clip matches itself at the same frame.
-constexpr double kMostLost = 0.9;
+// Metres: poses of the same motion are closer than this, also if it was edited.
+constexpr double kAlike = 0.02;
+
+bool is_most_of(int lost, int frames) {
+  return lost > static_cast<int>(kMostLost * frames);
+}
 
 class SeamFinder {
  public:
@@ -58,6 +61,8 @@ class SeamFinder {
     const int band = frames_in(options.band, a.rate);
     band_a_ = {options.search_all ? 0 : std::max(0, a.frame_count - 1 - band), a.frame_count};
     band_b_ = {0, options.search_all ? b.frame_count : std::min(b.frame_count, band + 1)};
+    const int most_lost = (a.frame_count - 1 - band_a_.begin) + (band_b_.end - 1);
+    share_motion_ = is_most_of(most_lost, shorter()) && have_common_motion();
   }
 
   [[nodiscard]] std::int64_t pair_count() const { return band_a_.size() * band_b_.size(); }
@@ -81,11 +86,43 @@ class SeamFinder {
   }
 
  private:
+  [[nodiscard]] int shorter() const { return std::min(a_.frame_count, b_.frame_count); }
+
+  // Whether half of the shorter clip, or more, is the same motion in both clips.
+  [[nodiscard]] bool have_common_motion() const {
+    const int common = (shorter() + 1) / 2;
+    for (int shift = common - b_.frame_count; shift <= a_.frame_count - common; ++shift) {
+      if (are_alike(std::max(0, shift), std::min(a_.frame_count, b_.frame_count + shift), shift)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Whether frames of a are alike to those of b that are `shift` frames earlier.
+  [[nodiscard]] bool are_alike(int begin, int end, int shift) const {
+    constexpr int kSamples = 9;
+    const std::vector<double> weights(bones_.size(), 1.0);
+    for (int sample = 0; sample < kSamples; ++sample) {
+      const int frame = begin + (end - 1 - begin) * sample / (kSamples - 1);
+      const auto aligned = align_clouds(in_a_.frame(frame), in_b_.frame(frame - shift), weights);
+      if (aligned.distance > kAlike) return false;
+    }
+    return true;
+  }
+
+  // Whether a seam leaves too little of a clip. Where both clips contain the same motion, the same
+  // moment of both fits best, as if a clip is joined to itself, but leaves this motion once.
+  [[nodiscard]] bool loses_a_clip(int lost_of_a, int lost_of_b) const {
+    return is_most_of(lost_of_a, a_.frame_count) || is_most_of(lost_of_b, b_.frame_count) ||
+           (share_motion_ && is_most_of(lost_of_a + lost_of_b, shorter()));
+  }
+
   // Returns the number of frames at the end of a that equal the first frames of b, also if
   // translated. A match of the whole clip does not count: a clip may be joined to itself on
   // purpose.
   [[nodiscard]] int shared_frames() const {
-    const int whole = std::min(a_.frame_count, b_.frame_count);
+    const int whole = shorter();
     const int near = static_cast<int>(band_a_.size());
     const int longest = any_overlap_ ? whole : std::min(whole, near);
     std::vector<int> found;  // The longest first.
@@ -133,16 +170,14 @@ class SeamFinder {
     const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time() +
                                  options_.cost_of_all / (a_.frame_count + b_.frame_count);
     const int near = std::max(1, window_ / 2);
-    const int shorter = std::min(a_.frame_count, b_.frame_count);
-    const int most_lost = static_cast<int>(kMostLost * shorter);
     PairOfFrames best;
     std::size_t at = 0;
     for (int i = band_a_.begin; i < band_a_.end; ++i) {
       for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
-        const int lost = (a_.frame_count - 1 - i) + j;
-        if (lost > most_lost) continue;
+        const int lost_of_a = a_.frame_count - 1 - i;
+        if (loses_a_clip(lost_of_a, j)) continue;
         const double distance = distance_.counted(map.distances[at], i, j);
-        double cost = distance + cost_of_frame * lost;
+        double cost = distance + cost_of_frame * (lost_of_a + j);
         if (cost >= best.cost) continue;
         const bool known = std::ranges::any_of(others, [&](const PairOfFrames& other) {
           return std::abs(other.a - i) < near && std::abs(other.b - j) < near;
@@ -200,6 +235,7 @@ class SeamFinder {
   const WindowDistance distance_;
   const ContactPlan contacts_a_, contacts_b_;
   SearchBand band_a_, band_b_;
+  bool share_motion_ = false;
 };
 
 }  // namespace

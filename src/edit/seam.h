@@ -24,6 +24,9 @@ namespace retarget {
 /// Converts faults to warnings, which do not stop the program.
 [[nodiscard]] std::vector<Warning> as_warnings(const std::vector<std::string>& faults);
 
+/// A seam drops at most this share of each clip.
+inline constexpr double kMostLost = 0.9;
+
 struct SeamSearch {
   std::vector<Seam> seams;  ///< The best seam, then the next best ones elsewhere; at least one.
   bool first_is_shared = false;  ///< At the first seam, the end of a is the beginning of b.

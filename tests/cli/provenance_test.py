@@ -5,7 +5,7 @@ import shutil
 import unittest
 
 from motion_formats import FormatsTest
-from tool import SOURCE, sample
+from tool import SOURCE, sample, short_clip
 
 
 class Provenance(FormatsTest):
@@ -74,6 +74,16 @@ class Provenance(FormatsTest):
         self.write("out.csv", csv + csv.splitlines()[-1] + "\n")
         self.assert_fails(self.verify(), 1, "changed since the sidecar was written")
         self.assert_fails(self.verify("in.bvh"), 3, "not a run's sidecar")
+
+    def test_the_missing_format_is_that_of_the_sidecar(self):
+        self.write("in.bvh", short_clip("wave", 20))
+        self.assert_done(self.retarget("--method", "gmr", "--sidecar", "--format",
+                                       "csv,npz-mjlab,protomotions", bvh="in.bvh", output="out"))
+        self.write("in.bvh", short_clip("wave", 1))
+        for name in ("out.motion", "out.mjlab.npz"):
+            failed = self.verify(f"{name}.json")
+            self.assert_fails(failed, 3, f"{name}: error: a tracking file needs three frames")
+            self.assertIn("the motion in.bvh has changed", failed.stderr)
 
     def test_altered_facts_and_metrics_are_found(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:60", "--sidecar",

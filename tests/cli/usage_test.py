@@ -253,7 +253,8 @@ class Mistakes(ToolTest):
         # A clip of lying for a second and a third has no pose in common with a walk.
         self.write("lying.bvh", short_clip("get_up", 40))
         refused = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "-o", "x.bvh")
-        self.assert_fails(refused, 1, "does not fit lying.bvh anywhere", "--force")
+        self.assert_fails(refused, 1, "does not fit lying.bvh anywhere that enough",
+                          "--force")
         self.assertNotIn("--search", refused.stderr)
         near = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "--search", "0.2", "-o",
                              "x.bvh")

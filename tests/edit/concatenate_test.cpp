@@ -273,13 +273,24 @@ TEST(Concatenation, DoesNotDropAWholeClip) {
   EXPECT_THAT(twice->doubts.front().message, testing::HasSubstr("of the 286 frames of the"));
 }
 
-TEST(Concatenation, DropsSharedFramesWithoutADoubt) {
-  const EditSample& walk = data_sample("walk");
+// A short clip joins a long one at the end of the long one's T-pose, which is longer than the short
+// clip.
+TEST(Concatenation, DropsALongLeadInBehindAShortClip) {
+  const EditSample &walk = data_sample("walk"), &turn = data_sample("turn_in_place");
+  constexpr int kLeadIn = 150;
+  Clip late = turn.clip;
+  late.resize(kLeadIn + turn.clip.frame_count());
+  Clip t_pose = turn.clip;
+  for (Eigen::Quaterniond& rotation : t_pose.rotations(0)) rotation.setIdentity();
+  for (int frame = 0; frame < kLeadIn; ++frame) copy_frame(t_pose, 0, late, frame);
+  for (int frame = 0; frame < turn.clip.frame_count(); ++frame) {
+    copy_frame(turn.clip, frame, late, kLeadIn + frame);
+  }
   const auto joined =
-      concatenate(cut(walk.clip, 0, 200), cut(walk.clip, 50, 300), walk.calibration, {}, "a", "b");
-  ASSERT_TRUE(joined);
-  EXPECT_EQ(joined->clip.frame_count(), 300);
-  EXPECT_THAT(joined->doubts, testing::IsEmpty());
+      concatenate(cut(walk.clip, 0, 60), late, walk.calibration, {}, "walk", "turn");
+  ASSERT_TRUE(joined) << describe(joined.error());
+  EXPECT_THAT(joined->check.faults, testing::IsEmpty());
+  EXPECT_GE(joined->seam.b_frame, kLeadIn);
 }
 
 Clip raised(const EditSample& sample, Clip clip, double height) {
@@ -287,6 +298,32 @@ Clip raised(const EditSample& sample, Clip clip, double height) {
       .value()
       .move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, height}});
   return clip;
+}
+
+// An edited clip counts as the same motion.
+TEST(Concatenation, AClipIsNotJoinedToItsCopyAtTheSameMoment) {
+  const EditSample& up = data_sample("get_up");
+  const int frames = up.clip.frame_count();
+  for (const auto& [a, b] : {std::pair(up.clip, cut(up.clip, 30, frames)),
+                             std::pair(cut(up.clip, 30, frames), cut(up.clip, 0, frames - 30))}) {
+    ConcatenateOptions options;
+    options.seam.search_all = true;
+    options.seam.max_seams = 1;
+    const auto joined = concatenate(a, raised(up, b, 0.01), up.calibration, options, "a", "b");
+    ASSERT_TRUE(joined);
+    const int shorter = std::min(a.frame_count(), b.frame_count());
+    EXPECT_GE(joined->clip.frame_count(),
+              std::max(a.frame_count(), b.frame_count()) + shorter / 10);
+  }
+}
+
+TEST(Concatenation, DropsSharedFramesWithoutADoubt) {
+  const EditSample& walk = data_sample("walk");
+  const auto joined =
+      concatenate(cut(walk.clip, 0, 200), cut(walk.clip, 50, 300), walk.calibration, {}, "a", "b");
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->clip.frame_count(), 300);
+  EXPECT_THAT(joined->doubts, testing::IsEmpty());
 }
 
 TEST(Concatenation, AlignsFloors) {

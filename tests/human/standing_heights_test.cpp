@@ -73,6 +73,22 @@ TEST(StandingHeights, HandsOfAHandstandAreOnTheFloor) {
   }
 }
 
+// Known soles, such as a robot's, touch the floor with their toes.
+TEST(StandingHeights, KnownSolesStandOnTheFloor) {
+  SourceFeet source = handstand(0.0, 0.08);
+  const SoleEnd end{.middle = {0.0, -0.05, 0.0}};
+  source.soles = {FootSole{end, end}, FootSole{end, end}};
+  for (SourceFoot& foot : source.feet) foot.heel = foot.ankle;
+  const ContactPlan contacts = find_contacts(source);
+  EXPECT_TRUE(contacts.standing.from_body);
+  EXPECT_DOUBLE_EQ(contacts.standing.toe, 0.0);
+  EXPECT_DOUBLE_EQ(contacts.standing.ankle, 0.05);
+  EXPECT_DOUBLE_EQ(floor_height(contacts), 0.0);
+  for (const std::size_t hand : {kLeftWrist, kRightWrist}) {
+    EXPECT_EQ(contacts.bodies[hand].size(), 1u);
+  }
+}
+
 TEST(StandingHeights, TheFloorOfAHandstandNeedNotBeAtZero) {
   for (const double floor : {-1.0, 0.5, 3.0}) {
     EXPECT_NEAR(floor_of(handstand(floor, 0.08)), floor, 0.03) << floor;

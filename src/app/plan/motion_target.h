@@ -39,7 +39,7 @@ class MotionTarget {
 /// along.
 void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 
-/// Layouts of the CSVs that options write, the coarsest first; empty: no file prints numbers.
+/// Layouts of the single CSVs (csv, csv-soma) that options write, the coarsest first; empty: none.
 /// @param rate  of the motion.
 [[nodiscard]] std::vector<RobotCsvOptions> csv_layouts(const SaveOptions& options,
                                                        const FrameRate& rate);

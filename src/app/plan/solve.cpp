@@ -56,7 +56,7 @@ SolveFramesOptions pass_options(const Plan& plan, const SolveControl& control, i
   return options;
 }
 
-// Units in which the files of a motion print joint positions; SI units if none prints them.
+// Units in which the CSVs of a motion print joint positions; SI units without CSVs.
 std::vector<PrintedUnits> printed_units(const Plan& plan) {
   std::vector<PrintedUnits> units;
   for (const RobotCsvOptions& csv : csv_layouts(plan.options.save, plan.rate)) {

@@ -187,14 +187,16 @@ Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions,
                                          std::vector<Error>* left_out) {
   std::vector<RobotClip> moved;
   std::vector<WriteMotionOptions> writes;
+  std::vector<FrameRate> rates;
   for (const OutputMotion& motion : motions) {
+    rates.push_back(motion.clip->rate());
     moved.push_back(*motion.clip);
     writes.push_back(with_surroundings(write_options_, motion));
     if (options_.normalize_start) normalize_start(moved.back(), writes.back());
   }
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (sinks_[i]) continue;
-    const std::size_t chosen = motion_of_format(items_[i].format, options_, motions);
+    const std::size_t chosen = motion_of_format(items_[i].format, options_, rates);
     auto files = format_motion_files(moved[chosen], items_[i].format, writes[chosen]);
     if (!files) {
       if (files.error().location.file.empty()) files.error().location.file = items_[i].path;
@@ -275,10 +277,10 @@ Result<std::string> hash_files(const std::vector<FormattedFile>& files) {
 }
 
 std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
-                             std::span<const OutputMotion> motions) {
-  const FrameRate rate = rate_of_format(format, options, motions.front().clip->rate());
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (same_rate(motions[i].clip->rate(), rate)) return i;
+                             std::span<const FrameRate> rates) {
+  const FrameRate wanted = rate_of_format(format, options, rates.front());
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    if (same_rate(rates[i], wanted)) return i;
   }
   return 0;
 }

@@ -121,6 +121,8 @@ class MotionOutputs {
                                                         const SidecarText& sidecar = {},
                                                         std::vector<Error>* left_out = nullptr);
 
+  /// Files of the motion.
+  [[nodiscard]] const std::vector<OutputItem>& items() const { return items_; }
   /// Lines for the summary about the reference, after finish().
   [[nodiscard]] const std::vector<SummaryLine>& lines() const { return lines_; }
 
@@ -148,8 +150,9 @@ class MotionOutputs {
 
 /// Index of the motion from which a file of this format is made: the one at its rate, otherwise the
 /// first.
+/// @param rates  of the motions.
 [[nodiscard]] std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
-                                           std::span<const OutputMotion> motions);
+                                           std::span<const FrameRate> rates);
 
 /// Warns about motion data that the output formats cannot store.
 void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,

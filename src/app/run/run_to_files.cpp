@@ -99,27 +99,22 @@ std::vector<MotionFormat> formats_at(std::size_t rate, std::span<const FrameRate
                                      const SaveOptions& options) {
   std::vector<MotionFormat> formats;
   for (const OutputItem& item : items) {
-    const FrameRate wanted = rate_of_format(item.format, options, rates.front());
-    const auto found =
-        std::ranges::find_if(rates, [&](const FrameRate& each) { return same_rate(each, wanted); });
-    const auto index = found == rates.end() ? 0 : found - rates.begin();
-    if (static_cast<std::size_t>(index) == rate) formats.push_back(item.format);
+    if (motion_of_format(item.format, options, rates) == rate) formats.push_back(item.format);
   }
   return formats;
 }
 
 // Solves the motion at the plan's own rate, then at the rates of other formats.
-Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Run& run, const RunRequest& request,
-                                            MotionOutputs& outputs, Observer& observer) {
-  const Options& options = run.options;
+Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Options& options,
+                                            const RunRequest& request, MotionOutputs& outputs,
+                                            Observer& observer) {
   const auto rates = solved_rates(options.save, options.solve.method, plan.rate);
-  TRY_ASSIGN(const auto items, plan_outputs(run.output, options.save));
   std::vector<SolvedMotion> solved;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const bool is_last = i + 1 == rates.size();
     Plan one = is_last ? std::exchange(plan, {}) : plan;
     one.rate = rates[i];
-    one.options.save.formats = formats_at(i, rates, items, options.save);
+    one.options.save.formats = formats_at(i, rates, outputs.items(), options.save);
     TRY_ASSIGN(Motion motion,
                solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));
     if (observer.is_stopped()) return interrupted_failure();
@@ -185,14 +180,15 @@ std::vector<OutputMotion> output_motions(const std::vector<SolvedMotion>& solved
 
 // Formats the sidecar of each file from the motion of which it was made.
 Result<SidecarText> sidecars_of(const Run& run, const RunRequest& request,
-                                const std::vector<SolvedMotion>& solved,
-                                std::span<const OutputMotion> motions) {
+                                const std::vector<SolvedMotion>& solved) {
   const Plan& plan = solved.front().motion.plan;
   TRY_ASSIGN(auto read, files_read(run, plan.robot, plan.config.file));
-  return [&run, &solved, motions, mirrored = request.mirror,
+  std::vector<FrameRate> rates;
+  for (const SolvedMotion& each : solved) rates.push_back(each.motion.clip.rate());
+  return [&run, &solved, rates = std::move(rates), mirrored = request.mirror,
           read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
     const auto& [motion, quality] =
-        solved[motion_of_format(file.item.format, run.options.save, motions)];
+        solved[motion_of_format(file.item.format, run.options.save, rates)];
     return sidecar_text(run, motion, file, *quality, read, mirrored);
   };
 }
@@ -218,7 +214,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
     for (std::size_t i = 1; i < solved.size(); ++i) {
       TRY_ASSIGN(solved[i].quality, measure(solved[i].motion, run, request, observer));
     }
-    TRY_ASSIGN(sidecar, sidecars_of(run, request, solved, motions));
+    TRY_ASSIGN(sidecar, sidecars_of(run, request, solved));
   }
   std::optional<OutputFile> report;
   if (!request.report.empty()) {
@@ -310,7 +306,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   TRY_ASSIGN(plan, scale_observed(std::move(plan), request, observer));
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
                                                      plan.rate, request.hashes_only));
-  TRY_ASSIGN(auto solved, solve_all(std::move(plan), run, request, *outputs, observer));
+  TRY_ASSIGN(auto solved, solve_all(std::move(plan), run.options, request, *outputs, observer));
   auto outcome = write_results(run, request, solved, *outputs, observer);
   if (!outcome || request.hashes_only) return outcome;
   warn_of_losses(solved.front().motion.clip, outcome->motions, run.options.save, observer);

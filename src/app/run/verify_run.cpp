@@ -113,6 +113,15 @@ Result<fs::path> motion_of(const Sidecar& sidecar, const std::string& file) {
                      "put it next to the sidecar");
 }
 
+// Why the repeated run has no file in the sidecar's format.
+Error missing_format(const Sidecar& sidecar, const std::vector<Error>& left_out) {
+  const auto found = std::ranges::find_if(
+      left_out, [&](const Error& error) { return error.location.file == sidecar.output; });
+  if (found != left_out.end()) return *found;
+  return run_failure(sidecar.output, "the repeated run has no file in the format " + sidecar.format)
+      .value();
+}
+
 }  // namespace
 
 Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
@@ -150,7 +159,9 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
       std::ranges::find_if(outcome->motions, [&](const WrittenFile& written) {
         return format_name(written.item.format) == sidecar.format;
       });
-  if (file_of_sidecar == outcome->motions.end()) return failure(outcome->left_out.front());
+  if (file_of_sidecar == outcome->motions.end()) {
+    return failure(missing_format(sidecar, outcome->left_out));
+  }
   const WrittenFile& repeated = *file_of_sidecar;
   const std::string hint = changed.empty()
                                ? "all recorded inputs match; a different machine or build?"

@@ -25,7 +25,6 @@ constexpr std::size_t kFramesPlaced = 40;
 constexpr double kPlaceTolerance = 0.1;
 // Fewer bodies do not distinguish the orders.
 constexpr std::size_t kFewestBodies = 3;
-constexpr double kRadiansOfDegree = 0.01745329251994329577;
 
 // Another reading of a file, which its bodies may confirm.
 struct OtherReading {
@@ -130,7 +129,7 @@ Result<void> check_body_places(const RobotClip& clip, const RawMotion& raw, Quat
       {{{.other_order = true},
         std::string("the root quaternion is ") +
             (order == QuaternionOrder::kXyzw ? "w x y z" : "x y z w")},
-       {{.angle = kRadiansOfDegree}, "the joints are in degrees"},
+       {{.angle = kRadiansPerDegree}, "the joints are in degrees"},
        {{.length = 0.01}, "lengths are in centimetres"},
        {{.length = 0.001}, "lengths are in millimetres"}}};
   std::string cause = "; the root or the joints may be in another order";

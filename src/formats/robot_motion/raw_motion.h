@@ -24,6 +24,9 @@ namespace retarget {
 inline constexpr double kMinFileRate = 1e-3;
 inline constexpr double kMaxFileRate = 1e6;
 
+/// Unit of angles in files, in radians.
+inline constexpr double kRadiansPerDegree = 0.01745329251994329577;
+
 /// A point of a robot that may touch the floor, or that a file contains.
 struct TouchPoint {
   int body;

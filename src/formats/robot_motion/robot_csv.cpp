@@ -13,6 +13,7 @@
 #include "base/math/step_bounds.h"
 #include "base/option_name.h"
 #include "formats/robot_motion/motion_writers.h"
+#include "formats/robot_motion/raw_motion.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/motion.h"
@@ -30,7 +31,6 @@ constexpr std::size_t kMaxNumberLength = 340;
 constexpr int kMaxDigits = 17;
 
 constexpr double kDegreesPerRadian = PrintedUnits::kDegrees;
-constexpr double kDegree = 0.01745329251994329577;  // Radians, as in the reader.
 constexpr double kCentimetresPerMetre = PrintedUnits::kCentimetres;
 constexpr std::int64_t kSomaFramesASecond = 120;
 // A quaternion shorter than this has no direction.
@@ -179,7 +179,7 @@ class PrintedNumbers {
   explicit PrintedNumbers(const RobotCsvOptions& options)
       : precision_(std::clamp(options.precision, 0, kMaxDigits)),
         length_(options.centimetres ? Unit{kCentimetresPerMetre, 0.01} : Unit{}),
-        angle_(options.degrees ? Unit{kDegreesPerRadian, kDegree} : Unit{}) {}
+        angle_(options.degrees ? Unit{kDegreesPerRadian, kRadiansPerDegree} : Unit{}) {}
 
   [[nodiscard]] double length(double metres) { return read_back(metres, length_); }
   [[nodiscard]] double angle(double radians) { return read_back(radians, angle_); }

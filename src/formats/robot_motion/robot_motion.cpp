@@ -22,7 +22,6 @@
 namespace retarget {
 namespace {
 
-constexpr double kRadiansPerDegree = 0.01745329251994329577;
 // Tolerance on the length of a quaternion.
 constexpr double kUnitTolerance = 0.05;
 

@@ -70,7 +70,6 @@ constexpr RestHeights kJointRest{0.09, 0.12}, kSeatRest{0.17, 0.20}, kBackRest{0
 // least kAloft above the floor and the hand is still, it stands on something, even if only on its
 // fingers.
 constexpr RestHeights kHandstandRest{0.22, 0.25};
-constexpr double kAloft = 0.3;
 // Height in metres of the wrist of a hand that is pressed to the floor, and the speed in m/s up to
 // which it counts as in contact.
 constexpr double kPressed = 0.05, kCatchSpeed = 0.3;
@@ -170,6 +169,8 @@ class BodyContactFinder {
 };
 
 double floor_below(const StandingHeights& standing, double scale) {
+  // A floor below the body touches known soles.
+  if (standing.from_body && standing.ankle_over_heel != 0.0) return standing.toe;
   return standing.toe - kToeHeight * scale;
 }
 

@@ -40,7 +40,6 @@ double lower_end(const SourceFeet& source, int frame, int end) {
 // Height of the floor on which the lowest part of the body other than the feet rests in this frame;
 // infinite if no such part is known.
 double floor_below_parts(const SourceFeet& source, int frame, double size) {
-  constexpr double kAloft = 0.3;  // Height of other parts above hands that carry the body, metres.
   constexpr double kPalm = 0.06;  // Height of the wrist above the palm of such a hand, metres.
   double hands = HUGE_VAL, elbows = HUGE_VAL, others = HUGE_VAL;
   for (std::size_t i = 0; i < kSupportBones.size() && !source.supports.empty(); ++i) {
@@ -55,6 +54,11 @@ double floor_below_parts(const SourceFeet& source, int frame, double size) {
   }
   if (others > hands + kAloft * size) hands -= kPalm * size;
   return std::min({hands, elbows, others});
+}
+
+// Height of the toe of a standing foot above the floor, which known soles touch.
+double toe_over_floor(const SourceFeet& source, double size) {
+  return source.soles[0] || source.soles[1] ? 0.0 : kToeHeight * size;
 }
 
 // Whether the toes are below this height only for a moment, and the body gets there faster than it
@@ -236,11 +240,12 @@ std::optional<double> StandingHeightFinder::floor_below_body(const SourceFeet& s
   // Least height of the feet above the floor, metres. Parts of some bodies sink by 6 cm more than
   // those of others, so a floor that is not at zero is less certain.
   constexpr double kOverFloor = 0.01, kFarOverFloor = 0.08;
+  const double toe_height = toe_over_floor(source, size);
   std::vector<double>& lowest = values_;
   lowest.clear();
   int on_feet = 0;
   for (int frame = 0; frame < source.frame_count(); ++frame) {
-    const double toes = lower_end(source, frame, kToeEnd), under_toes = toes - kToeHeight * size;
+    const double toes = lower_end(source, frame, kToeEnd), under_toes = toes - toe_height;
     const double parts = floor_below_parts(source, frame, size);
     lowest.push_back(std::min(under_toes, parts));
     if (under_toes <= parts && toes < toe + kNearLowest * size) ++on_feet;
@@ -249,7 +254,7 @@ std::optional<double> StandingHeightFinder::floor_below_body(const SourceFeet& s
       lowest.begin() + static_cast<std::ptrdiff_t>(kRestingShare * source.frame_count());
   std::ranges::nth_element(lowest, low);
   const bool at_zero = -kUnderZero * size < *low && *low < kOverZero * size;
-  const double highest = toe - (kToeHeight + (at_zero ? kOverFloor : kFarOverFloor)) * size;
+  const double highest = toe - toe_height - (at_zero ? kOverFloor : kFarOverFloor) * size;
   if (!(*low < highest)) return std::nullopt;
   if (at_zero) return 0.0;
   // Feet that carry the body for a while are on the floor, although not with the pitch of standing.
@@ -272,7 +277,7 @@ StandingHeights StandingHeightFinder::heights_of_ends(const SourceFeet& source, 
   const double low_ankle = has_toes ? 0.0 : low_height(source, kHeelEnd);
   const double lowest = has_toes ? low_toe : low_ankle - kUsualRise * size;
   const auto floor = floor_below_body(source, lowest, size);
-  const double toe = floor ? *floor + kToeHeight * size : lowest;
+  const double toe = floor ? *floor + toe_over_floor(source, size) : lowest;
   StandingHeights heights{toe, toe, false};
   heights.from_body = floor.has_value();
   if (!has_toes) {

@@ -17,6 +17,9 @@ namespace retarget {
 /// Height of the toe joint of a standing foot above the floor, metres.
 inline constexpr double kToeHeight = 0.02;
 
+/// Least height of the rest of a body above the hands on which it stands, metres.
+inline constexpr double kAloft = 0.3;
+
 /// Returns the largest height of a support's joint above the floor when the body lies, kneels,
 /// leans or sits on it, metres.
 /// @param support  index into kSupportBones.
