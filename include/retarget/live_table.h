@@ -36,6 +36,9 @@ inline constexpr auto kEnumNames<LivePace> = std::to_array<NamedValue<LivePace>>
 /// The option rows of LiveOptions.
 [[nodiscard]] OptionTable live_table(LiveOptions& options);
 
+/// Leaves inverse kinematics only: no speed limits, no floor and foot corrections.
+void make_plain(LiveOptions& options);
+
 /// A table whose options add their names to `given` when they are set, so that options without an
 /// effect can be reported. Both must outlive the table.
 [[nodiscard]] OptionTable noting_given(OptionTable table, std::vector<std::string>& given);

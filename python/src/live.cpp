@@ -171,9 +171,7 @@ void open_live(PythonLive* self, const ClipHandle& clip, const RobotHandle& robo
   std::vector<std::string> names;
   apply_keywords(noting_given(live_keywords(given), names), options);
   value_of(check_live_use(given.live, given.run, names));
-  if (given.serve.plain) {
-    given.live.limit_speeds = given.live.floor = given.live.hold_feet = false;
-  }
+  if (given.serve.plain) make_plain(given.live);
   // The clip calibrates the body; all of its frames may do so.
   given.run.part.lead_in = LeadIn::kKeep;
   const Plan plan = without_gil([&] { return make_plan(*clip, robot.loaded, given.run); });

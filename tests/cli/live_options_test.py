@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from live_test import LiveTest
+from live_test import LiveTest, free_port
 from tool import difference, sample
 
 
@@ -129,6 +129,15 @@ class Pipes(OptionsTest):
                 (self.played("smplx", "walk"), "stdin?format=xrobot", ["looks like smplx: use stdin?format=smplx"])):
             result = self.live(text, "--input", address, "-o", "live.csv")
             self.assert_fails(result, 3, "no frame of the stream is usable", *messages)
+
+    def test_a_pipe_may_end_before_the_first_robot_frame(self):
+        """In lag mode at clock pace, frames leave only after the window has filled."""
+        short = "".join(self.played("lines", "walk").splitlines(keepends=True)[:10])
+        for arguments in (("--mode", "lag", "--lag", "1"), ("--mode", "frame")):
+            result = self.live(short, *arguments, "-o", f"udp:{free_port()}")
+            self.assert_done(result)
+        result = self.live("{}\n" * 10, "--mode", "lag", "-o", f"udp:{free_port()}")
+        self.assert_fails(result, 3, "no frame of the stream is usable")
 
     def test_frames_without_any_times(self):
         lines = []

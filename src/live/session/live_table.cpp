@@ -58,6 +58,10 @@ OptionTable live_table(LiveOptions& options) {
                 "Time until the full speeds are allowed again")};
 }
 
+void make_plain(LiveOptions& options) {
+  options.limit_speeds = options.floor = options.hold_feet = false;
+}
+
 OptionTable noting_given(OptionTable table, std::vector<std::string>& given) {
   for (Option& row : table) {
     row.set = [set = std::move(row.set), name = row.name, &given](const OptionValue& value) {

@@ -67,10 +67,14 @@ void FrameQueue::see_cut(std::size_t place, double bridged) {
   slot.cut = teleport || slot.time - before.time > bridged;
 }
 
+bool FrameQueue::lacks_frames(double gap) const {
+  constexpr double kMissing = 1.5;  // Intervals.
+  return interval_ > 0.0 && gap > kMissing * interval_;
+}
+
 void FrameQueue::learn_interval(double gap, bool stamped) {
   if (gap > kMaxBridgedGap) return;
-  constexpr double kMissing = 1.5;  // Intervals.
-  if (stamped && interval_ > 0.0 && gap > kMissing * interval_) {
+  if (stamped && lacks_frames(gap)) {
     lost_ += std::lround(gap / interval_) - 1;
   }
   gaps_[gap_count_++ % gaps_.size()] = gap;
@@ -142,8 +146,9 @@ double FrameQueue::past_gap(double time, double rate) const {
   for (std::size_t i = 1; i < count_; ++i) {
     const Slot &before = at(i - 1), &slot = at(i);
     if (slot.time <= time + kSameTime) continue;
-    const double missing = (slot.time - before.time) / rate;
-    return !slot.cut && slot.arrival - before.arrival > kAlike * missing ? slot.time : time;
+    const double gap = slot.time - before.time;
+    const bool is_missed = lacks_frames(gap) && slot.arrival - before.arrival > kAlike * gap / rate;
+    return !slot.cut && is_missed ? slot.time : time;
   }
   return time;
 }

@@ -75,6 +75,7 @@ class FrameQueue {
   [[nodiscard]] Slot& at(std::size_t i) { return slots_[order_[i]]; }
   [[nodiscard]] const Slot& at(std::size_t i) const { return slots_[order_[i]]; }
   void drop_first(std::size_t frames);
+  [[nodiscard]] bool lacks_frames(double gap) const;
   void learn_interval(double gap, bool stamped);
   void see_cut(std::size_t place, double bridged);
 

@@ -18,6 +18,7 @@ namespace {
 constexpr double kJustBefore = 2e-6;  // seconds
 // Maximum number of frames in one packet at clock pace.
 constexpr std::size_t kMostFrames = 128;
+
 // Why frames of a stream are not frames of a file's skeleton.
 std::string difference(const Skeleton& file, const Skeleton& stream) {
   const auto missing = [](const Skeleton& from, const Skeleton& in) -> const Joint* {
@@ -39,6 +40,12 @@ std::string difference(const Skeleton& file, const Skeleton& stream) {
 constexpr double kBodyEvery = 1.0;  // seconds
 // Poses of a new skeleton that are tried before a running stream returns to its previous body.
 constexpr int kMostPoses = 5;
+// Consecutive frames of the body in use after which a new skeleton without poses is dropped. Fewer
+// may be late packets.
+constexpr int kMostOldFrames = 5;
+// Maximum number of packets per kBodyEvery that are tried as frames of the body in use, because the
+// decoder reads both skeletons again for each of them.
+constexpr int kMostOldTries = 10;
 
 }  // namespace
 
@@ -82,10 +89,11 @@ Result<void> LivePipeline::packet(std::string_view bytes, double now) {
 
 void LivePipeline::decode(std::string_view bytes) {
   if (std::exchange(restores_, false)) restore_used_skeleton();
+  if (std::exchange(reads_old_, false)) skeleton_packets_.restore_latest(*decoder_);
   batch_.clear();
   auto taken = decoder_->take(bytes, batch_);
-  old_continues_ = !taken && session_ && poseless_ && continues_old_body(bytes);
-  if (old_continues_) taken = {};
+  reads_old_ = !taken && session_ && poseless_ && is_of_old_skeleton(bytes);
+  if (reads_old_) taken = {};
   decode_error_.reset();
   if (!taken) note_malformed(bytes, taken.error().message);
   if (!taken || batch_.empty() || batch_.has_skeleton()) {
@@ -108,10 +116,16 @@ void LivePipeline::restore_used_skeleton() {
   skeleton_packets_.restore(*decoder_);
 }
 
-// Whether a packet that does not fit a new skeleton without poses is of the body in use. Then the
-// skeleton is not that of the stream.
-bool LivePipeline::continues_old_body(std::string_view bytes) {
+// Whether a packet that does not fit a new skeleton without poses has frames of the body in use.
+// The decoder then keeps the skeleton in use until the next packet.
+bool LivePipeline::is_of_old_skeleton(std::string_view bytes) {
   if (!batch_.empty()) return false;
+  if (wall_ - first_old_try_ >= kBodyEvery) {
+    first_old_try_ = wall_;
+    old_tries_ = 0;
+  }
+  if (old_tries_ >= kMostOldTries) return false;
+  ++old_tries_;
   restore_used_skeleton();
   if (decoder_->take(bytes, batch_) && !batch_.empty() && !batch_.has_skeleton()) return true;
   batch_.clear();
@@ -137,17 +151,12 @@ Result<void> LivePipeline::use_decoded(double now) {
 }
 
 Result<void> LivePipeline::use_items() {
-  if (std::exchange(old_continues_, false)) {
-    Error why;
-    why.message = "a new skeleton arrived, but the frames are still those of the body in use";
-    poseless_->poses_left = 0;
-    refuse(*std::exchange(poseless_, std::nullopt), why);
-    restores_ = false;
-  }
   for (std::size_t i = 0; i < batch_.size() && !error_; ++i) {
     PacketBatch::Item& item = batch_[i];
     if (item.skeleton) {
       take_skeleton(*item.skeleton, item.has_rest);
+    } else if (reads_old_) {
+      take_old_frame(item.frame);
     } else {
       take_frame(item.frame);
     }
@@ -213,7 +222,10 @@ void LivePipeline::finish(double now) {
 }
 
 Result<void> LivePipeline::check_used(std::string_view format) const {
-  if (statistics().robot_frames > 0 || packets_.packets == 0) return {};
+  // In lag mode, a short stream at clock pace ends before its first robot frame.
+  const LiveStatistics now = statistics();
+  const bool is_used = now.received > now.bad + now.late + now.doubled;
+  if (is_used || now.robot_frames > 0 || packets_.packets == 0) return {};
   std::string why = fmt::format("no frame of the stream is usable: {} of {} malformed",
                                 packets_.malformed, count_text(packets_.packets, "packet"));
   if (!malformed_why_.empty()) why += ", the first one: " + printable(malformed_why_);
@@ -241,7 +253,6 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
     restores_ = used_.has_value();
     return;
   }
-  warn_of_unused_file(clip.skeleton());
   lacks_skeleton_ = false;
   received_ = clip;
   calibration_begin_.reset();
@@ -251,19 +262,20 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
   if (clip.frame_count() == 0) {
     task.poses_left = kMostPoses;
     poseless_ = std::move(task);
+    old_frames_ = 0;
     pose_tried_ = -std::numeric_limits<double>::infinity();
     return;
   }
   change_body(std::move(task));
 }
 
-// Tells the user that the stream's own skeleton replaces that of a file.
-void LivePipeline::warn_of_unused_file(const Skeleton& skeleton) {
-  if (!known_) return;
+// Tells the user that the recognised skeleton of the stream replaces that of a file.
+void LivePipeline::warn_of_unused_file(const Clip& used) {
+  if (!known_ || used.shared_skeleton() == known_) return;
   warn_once(file_reported_, "body",
             fmt::format("the stream's own skeleton is used instead of " RETARGET_OPTION(
                             "skeleton") ", because {}",
-                        difference(*known_, skeleton)));
+                        difference(*known_, used.skeleton())));
 }
 
 // Recognises a body from its first frame, because the zero pose of a skeleton without poses may be
@@ -289,6 +301,7 @@ void LivePipeline::take_first_pose(const StreamFrame& frame) {
 Result<void> LivePipeline::begin_session(const BodyTask& task) {
   RETARGET_TRY_ASSIGN(MadeBody made, maker_.make(task, true));
   RETARGET_TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
+  warn_of_unused_file(task.clip);
   for (const auto& [label, text] : made.plan.human.lines()) tell_(label, text);
   poser_.emplace(made.plan);
   up_ = made.plan.human.calibration.up.direction();
@@ -336,6 +349,7 @@ void LivePipeline::adopt(const BodyTask& task, Result<MadeBody> made) {
     refuse(task, made.error());
     return;
   }
+  warn_of_unused_file(task.clip);
   for (const auto& [label, text] : made->plan.human.lines()) tell_(label, text);
   poser_.emplace(made->plan);
   session_->recalibrate(std::move(*made->body));
@@ -350,25 +364,40 @@ void LivePipeline::adopt(const BodyTask& task, Result<MadeBody> made) {
 // Refuses a body; a running stream keeps its current one.
 void LivePipeline::refuse(const BodyTask& task, const Error& why) {
   ++packets_.refused_skeletons;
-  const std::string text = full_message(why);
-  refused_why_ = text;
+  refused_why_ = full_message(why);
   if (task.is_posed && session_) {
-    tell_("body", "remains unchanged: " + text);
+    tell_("body", "remains unchanged: " + refused_why_);
     return;
   }
-  warn_once(refused_reported_, "body",
-            (session_ ? "remains unchanged (similar skeletons are not reported): "
-                      : "waiting for a human (similar skeletons are not reported): ") +
-                text);
+  warn_of_refusal(refused_why_);
   if (task.is_posed) return;
   if (session_ && task.poses_left > 0 && !waiting_ && is_same(*received_, task.clip)) {
     poseless_ = task;
     return;
   }
   refused_ = task.clip;
-  if (!used_ || waiting_) return;
+  // Unless another skeleton has arrived meanwhile.
+  if (!used_ || waiting_ || poseless_) return;
   received_ = used_;
   restores_ = true;
+}
+
+void LivePipeline::warn_of_refusal(const std::string& why) {
+  warn_once(refused_reported_, "body",
+            (session_ ? "remains unchanged (similar skeletons are not reported): "
+                      : "waiting for a human (similar skeletons are not reported): ") +
+                why);
+}
+
+// Returns to the body in use, because the new skeleton is not that of the stream. It may be tried
+// again, because no pose of it was refused.
+void LivePipeline::drop_poseless() {
+  ++packets_.refused_skeletons;
+  refused_why_ = "a new skeleton arrived, but the frames are still those of the body in use";
+  warn_of_refusal(refused_why_);
+  poseless_.reset();
+  received_ = used_;
+  reads_old_ = false;
 }
 
 // Whether the frame precedes the calibration pose.
@@ -395,6 +424,12 @@ bool LivePipeline::is_of_received_body(const StreamFrame& frame) const {
          frame.rotations.size() == static_cast<std::size_t>(received_->skeleton().joint_count());
 }
 
+bool LivePipeline::is_of_used_body(const StreamFrame& frame) const {
+  const Skeleton& used = used_->skeleton();
+  return frame.rotations.size() == static_cast<std::size_t>(used.joint_count()) &&
+         frame.translations.size() == static_cast<std::size_t>(used.translated_count());
+}
+
 // Whether frames may belong to another body than the one whose skeleton was received last.
 bool LivePipeline::is_foreign() {
   if (!lacks_skeleton_) return false;
@@ -415,7 +450,8 @@ double LivePipeline::time_of(const StreamFrame& frame) const {
 }
 
 void LivePipeline::watch_stamp(double stamp) {
-  if (!std::isfinite(stamp) || options_.live.clock == LiveClock::kArrival) return;
+  if (stamps_reported_ || options_.live.clock == LiveClock::kArrival) return;
+  if (!std::isfinite(stamp)) return;
   if (const std::string fault = stamps_.add(stamp, wall_); !fault.empty()) {
     warn_once(stamps_reported_, "stream", fault);
   }
@@ -440,30 +476,51 @@ void LivePipeline::pass_time(double stamp) {
   stamp_ = stamp;
 }
 
+// Advances the session time to a frame at input pace. @return the frame's own time
+double LivePipeline::advance_to(const StreamFrame& frame) {
+  const double time = time_of(frame);
+  watch_stamp(time);
+  if (options_.pace != LivePace::kInput) return time;
+  const double before = now_;
+  pass_time(time);
+  // Robot frames in between wait for this frame, as far as the human can be interpolated.
+  if (now_ - before > kMaxBridgedGap) pull(now_ - kJustBefore);
+  return time;
+}
+
+void LivePipeline::follow(const StreamFrame& frame, double time) {
+  human_.time = time;
+  poser_->pose(frame.rotations, frame.translations, human_.world_from_bone);
+  session_->push(human_, now_);
+  if (options_.pace == LivePace::kInput) pull(now_);
+}
+
+// A frame of the body in use while a new skeleton has no pose yet.
+void LivePipeline::take_old_frame(const StreamFrame& frame) {
+  if (is_foreign()) return;
+  if (!is_of_used_body(frame)) {
+    ++packets_.malformed;
+    return;
+  }
+  follow(frame, advance_to(frame));
+  if (++old_frames_ >= kMostOldFrames) drop_poseless();
+}
+
 void LivePipeline::take_frame(const StreamFrame& frame) {
   if (is_foreign()) return;
   if (!is_of_received_body(frame)) {
     if (received_) ++packets_.malformed;
     return;
   }
-  const double time = time_of(frame);
-  watch_stamp(time);
-  if (options_.pace == LivePace::kInput) {
-    const double before = now_;
-    pass_time(time);
-    // Robot frames in between wait for this frame, as far as the human can be interpolated.
-    if (now_ - before > kMaxBridgedGap) pull(now_ - kJustBefore);
-  }
+  old_frames_ = 0;
+  const double time = advance_to(frame);
   // A running stream continues while it waits for its new pose.
   if (collects(frame) && !session_) return;
   take_first_pose(frame);
   if (!session_ || !poser_) return;
   // Another body has not been recognised yet.
   if (!is_like(*received_, *used_)) return;
-  human_.time = time;
-  poser_->pose(frame.rotations, frame.translations, human_.world_from_bone);
-  session_->push(human_, now_);
-  if (options_.pace == LivePace::kInput) pull(now_);
+  follow(frame, time);
 }
 
 void LivePipeline::warn_once(bool& warned, std::string_view label, std::string_view text) const {

@@ -89,19 +89,25 @@ class LivePipeline final {
   void know_up(const std::optional<Eigen::Vector3d>& up);
   void note_malformed(std::string_view bytes, const std::string& why);
   void restore_used_skeleton();
-  [[nodiscard]] bool continues_old_body(std::string_view bytes);
+  [[nodiscard]] bool is_of_old_skeleton(std::string_view bytes);
   Result<void> use_items();
   void take_skeleton(const Clip& clip, bool has_rest);
-  void warn_of_unused_file(const Skeleton& skeleton);
+  void warn_of_unused_file(const Clip& used);
   void take_frame(const StreamFrame& frame);
+  void take_old_frame(const StreamFrame& frame);
+  [[nodiscard]] double advance_to(const StreamFrame& frame);
+  void follow(const StreamFrame& frame, double time);
   [[nodiscard]] Result<void> begin_session(const BodyTask& task);
   void change_body(BodyTask task);
   void start_waiting_body();
   void adopt(const BodyTask& task, Result<MadeBody> made);
   void refuse(const BodyTask& task, const Error& why);
+  void warn_of_refusal(const std::string& why);
+  void drop_poseless();
   void take_first_pose(const StreamFrame& frame);
   [[nodiscard]] bool collects(const StreamFrame& frame);
   [[nodiscard]] bool is_of_received_body(const StreamFrame& frame) const;
+  [[nodiscard]] bool is_of_used_body(const StreamFrame& frame) const;
   [[nodiscard]] bool is_foreign();
   [[nodiscard]] double time_of(const StreamFrame& frame) const;
   void watch_stamp(double stamp);
@@ -120,7 +126,11 @@ class LivePipeline final {
   std::optional<std::string> decode_error_;
   SkeletonPackets skeleton_packets_;
   bool restores_ = false;  // Restore the skeleton in use in the decoder before the next packet.
-  bool old_continues_ = false;   // The packet is of the body in use, not of a new skeleton.
+  // While `poseless_` waits: the packet is of the body in use, and the decoder has its skeleton.
+  bool reads_old_ = false;
+  int old_frames_ = 0;  // Consecutive frames of the body in use while `poseless_` waits.
+  int old_tries_ = 0;   // Packets tried as such frames since the time of the first of them.
+  double first_old_try_ = -std::numeric_limits<double>::infinity();
   bool lacks_skeleton_ = false;  // The sender's skeleton is missing.
 
   std::optional<Clip> received_;      // Skeleton of the received frames.

@@ -175,9 +175,7 @@ Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request
   RETARGET_TRY(check_serve(serve_options));
   RETARGET_TRY_ASSIGN(pipeline.pace, chosen_pace(serve_options));
   if (!serve_options.record.empty()) RETARGET_TRY(record_options(request));
-  if (request.plain) {
-    pipeline.live.limit_speeds = pipeline.live.floor = pipeline.live.hold_feet = false;
-  }
+  if (request.plain) make_plain(pipeline.live);
   return serve(robot, serve_options, control);
 }
 
