@@ -131,7 +131,7 @@ bool is_better(const Overlaps& after, const Overlaps& before) {
 
 void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
                            const std::function<bool()>& keep_going, BranchRecovery& result) {
-  constexpr double kMoreCost = 1.1;  // Ratio by which the cost of all terms may rise.
+  constexpr double kMoreCost = 1.05;  // Ratio by which the cost of all terms may rise.
   if (!options.self_collision || model.pairs.empty()) return;
   OverlapMeter meter(model, clip);
   FitOptions patient = options;
