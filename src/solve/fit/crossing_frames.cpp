@@ -1,14 +1,16 @@
 #include "solve/fit/crossing_frames.h"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/kinematic_tree.h"
+#include "robot/model/half_way.h"
 #include "solve/fit/half_way.h"
 #include "solve/fit/near_pairs.h"
 #include "solve/fit/trial_intervals.h"
@@ -30,40 +32,38 @@ class OverlapMeter {
         now_(model.tree),
         before_(model.tree),
         half_way_(model),
-        near_pairs_(model) {}
+        near_in_frames_(model),
+        near_half_way_(model) {}
 
-  // Moves to the next frame; begin() moves to a first one.
+  // Moves to a frame, as the first one of a sequence.
   void begin(int frame) {
     frame_ = frame;
-    near_before_.clear();
-    look();
+    now_.update(configuration(frame_));
   }
   void next() {
     ++frame_;
     std::swap(now_, before_);
-    std::swap(near_now_, near_before_);
-    look();
+    now_.update(configuration(frame_));
   }
 
   // Depth of the deepest overlap half-way from the frame before, of shapes that pass through each
   // other; metres, 0 without one.
   [[nodiscard]] double depth_half_way() {
-    candidates_.clear();
-    std::ranges::set_union(near_before_, near_now_, std::back_inserter(candidates_));
-    bool posed = false;
+    if (!has_fast_shapes()) return 0.0;
+    half_way_.update(configuration(frame_ - 1), configuration(frame_));
+    near_half_way_.find(half_way_.pose(), 0.0, overlapping_);
     double deepest = 0.0;
-    for (const std::uint32_t pair : candidates_) {
-      if (!may_cross(model_, before_, now_, pair)) continue;
-      if (!posed) half_way_.update(configuration(frame_ - 1), configuration(frame_));
-      posed = true;
+    for (const std::uint32_t pair : overlapping_) {
+      if (!may_cross(model_, before_, now_, pair) || !is_near(pair)) continue;
       deepest = std::max(deepest, -pair_distance(model_, half_way_.pose(), pair));
     }
     return deepest;
   }
   // The same in the frame, of all shapes.
   [[nodiscard]] double depth() {
+    near_in_frames_.find(now_, 0.0, overlapping_);
     double deepest = 0.0;
-    for (const std::uint32_t pair : near_now_) {
+    for (const std::uint32_t pair : overlapping_) {
       deepest = std::max(deepest, -pair_distance(model_, now_, pair));
     }
     return deepest;
@@ -73,9 +73,23 @@ class OverlapMeter {
   [[nodiscard]] std::span<const double> configuration(int frame) const {
     return clip_.frame(frame, model_.configuration_size);
   }
-  void look() {
-    now_.update(configuration(frame_));
-    near_pairs_.find(now_, kMayCross, near_now_);
+  [[nodiscard]] bool is_near(std::uint32_t pair) const {
+    return pair_distance(model_, before_, pair) < kMayCross ||
+           pair_distance(model_, now_, pair) < kMayCross;
+  }
+  // Whether two shapes may move by more than kPassing relative to each other.
+  [[nodiscard]] bool has_fast_shapes() const {
+    const Eigen::Vector3d base = now_.origin() - before_.origin();
+    double largest = 0.0, second = 0.0;
+    for (const FitShape& shape : model_.shapes) {
+      const auto link = static_cast<std::size_t>(shape.link);
+      const Eigen::Vector3d step =
+          now_.world_from_link[link] * shape.centre - before_.world_from_link[link] * shape.centre;
+      const double moved = (step - base).norm();
+      second = std::max(second, std::min(largest, moved));
+      largest = std::max(largest, moved);
+    }
+    return largest + second > kPassing;
   }
 
   const FitModel& model_;
@@ -83,8 +97,8 @@ class OverlapMeter {
   int frame_ = 0;
   TreeState now_, before_;
   HalfWay half_way_;
-  NearPairs near_pairs_;
-  std::vector<std::uint32_t> near_now_, near_before_, candidates_;
+  NearPairs near_in_frames_, near_half_way_;
+  std::vector<std::uint32_t> overlapping_;
 };
 
 // Intervals with a deep overlap half-way between frames.
@@ -132,7 +146,7 @@ bool is_better(const Overlaps& after, const Overlaps& before) {
 void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
                            const std::function<bool()>& keep_going, BranchRecovery& result) {
   constexpr double kMoreCost = 1.05;  // Ratio by which the cost of all terms may rise.
-  if (!options.self_collision || model.pairs.empty()) return;
+  if (!options.self_collision || model.pairs.empty() || clip.frame_count < 2) return;
   OverlapMeter meter(model, clip);
   FitOptions patient = options;
   patient.iterations *= 2;
