@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/math/two_largest.h"
 #include "judge/quality/mujoco_contacts.h"
 #include "retarget/shape_distance.h"
 #include "robot/model/half_way.h"
@@ -121,13 +122,11 @@ class BodyTracker {
 
   // Whether two shapes may move by more than kPassing relative to each other.
   [[nodiscard]] bool has_fast_shapes() const {
-    double largest = 0.0, second = 0.0;
+    TwoLargest movements;
     for (int shape = 0; shape < static_cast<int>(placed_.size()); ++shape) {
-      const double moved = (step_of(shape) - step_of(0)).norm();
-      second = std::max(second, std::min(largest, moved));
-      largest = std::max(largest, moved);
+      movements.add((step_of(shape) - step_of(0)).norm());
     }
-    return largest + second > kPassing;
+    return movements.sum() > kPassing;
   }
 
   const RobotClip& clip_;

@@ -258,9 +258,10 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"fast_arm_pct", "%",
      "Angular speed of the robot's upper arms and forearms relative to the human's, over 0.1 s, in "
      "the fastest 2 % of the frames of each human limb. Excludes frames in which the floor may "
-     "constrain the limb. The lowest of both arms together and of each arm that is faster than 2 "
-     "rad/s for at least 0.2 s. For clips of at least one second with arms faster than 2 rad/s for "
-     "at least 0.1 s.",
+     "constrain the limb. The value is that of both arms together, or the lower one of a single "
+     "arm "
+     "that is faster than 2 rad/s for at least 0.2 s. For clips of at least one second with arms "
+     "faster than 2 rad/s for at least 0.1 s.",
      kOwn},
     {"fast_leg_pct", "%", "The same for thighs and shins.", kOwn},
     {"joint_offset_rad", "rad",

@@ -23,9 +23,9 @@ namespace retarget {
 [[nodiscard]] std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double fps);
 
 /// Ratio of the robot's angular speed to the human's, for arms or legs without the lines of the
-/// trunk: the lowest of both sides together and of each side whose limbs are faster than 2 rad/s for
-/// 0.2 s. Speeds are over 0.1 s, in the fastest 2 % of the frames of each human limb; frames in which
-/// the floor may constrain the limb are excluded. Empty for clips shorter than a second and if the
+/// trunk: that of both sides together, or the lower one of a single side whose limbs are faster than
+/// 2 rad/s for 0.2 s. Speeds are over 0.1 s, in the fastest 2 % of the frames of each human limb,
+/// without frames in which the floor may constrain the limb. Empty for clips shorter than a second and if the
 /// frames with limbs faster than 2 rad/s make less than 0.1 s.
 [[nodiscard]] std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs,
                                                     bool of_legs, double fps);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/math/two_largest.h"
 #include "retarget/clip.h"
 #include "retarget/kinematic_tree.h"
 #include "robot/model/half_way.h"
@@ -80,16 +81,14 @@ class OverlapMeter {
   // Whether two shapes may move by more than kPassing relative to each other.
   [[nodiscard]] bool has_fast_shapes() const {
     const Eigen::Vector3d base = now_.origin() - before_.origin();
-    double largest = 0.0, second = 0.0;
+    TwoLargest movements;
     for (const FitShape& shape : model_.shapes) {
       const auto link = static_cast<std::size_t>(shape.link);
       const Eigen::Vector3d step =
           now_.world_from_link[link] * shape.centre - before_.world_from_link[link] * shape.centre;
-      const double moved = (step - base).norm();
-      second = std::max(second, std::min(largest, moved));
-      largest = std::max(largest, moved);
+      movements.add((step - base).norm());
     }
-    return largest + second > kPassing;
+    return movements.sum() > kPassing;
   }
 
   const FitModel& model_;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "base/math/two_largest.h"
 #include "retarget/pose.h"
 #include "solve/fit/shorthand.h"
 
@@ -51,13 +52,11 @@ double NearPairs::motion(int link, const NearList::Place& before,
 bool NearPairs::stays(const TreeState& pose, double stay, const NearList& list) const {
   if (list.places.empty()) return false;
   const Pose base_from_world = pose.world_from_link[0].inverse();
-  double largest = 0.0, second = 0.0;
+  TwoLargest movements;
   for (std::size_t i = 0; i < paired_links_.size(); ++i) {
     const int link = paired_links_[i];
-    const double moved = motion(link, list.places[i], place_of(base_from_world, pose, link));
-    second = std::max(second, std::min(largest, moved));
-    largest = std::max(largest, moved);
-    if (largest + second > stay) return false;
+    movements.add(motion(link, list.places[i], place_of(base_from_world, pose, link)));
+    if (movements.sum() > stay) return false;
   }
   return true;
 }

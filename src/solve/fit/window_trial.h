@@ -32,8 +32,8 @@ class WindowTrial {
   /// Whether the cost of all terms is clearly lower than at construction and, with dynamics, the
   /// wrench that the contacts cannot supply is not much larger.
   [[nodiscard]] bool pays_off();
-  /// Whether the cost of all terms in frames is below this share of that at construction and, with dynamics,
-  /// the wrench that the contacts cannot supply is not much larger.
+  /// Whether the cost of all terms in frames is below this share of that at construction and, with
+  /// dynamics, the wrench that the contacts cannot supply is not much larger.
   [[nodiscard]] bool costs_less_than(double share);
   /// Makes solve() use self-collision terms half-way between frames.
   void look_between_frames() { window_.between_frames = true; }
