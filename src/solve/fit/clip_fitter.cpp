@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -12,8 +11,8 @@
 #include "retarget/so3.h"
 #include "solve/fit/block_chain.h"
 #include "solve/fit/contact_places.h"
+#include "solve/fit/crossing_terms.h"
 #include "solve/fit/fit_dynamics.h"
-#include "solve/fit/half_way.h"
 #include "solve/fit/held_limits.h"
 #include "solve/fit/joint_speeds.h"
 #include "solve/fit/shorthand.h"
@@ -77,9 +76,6 @@ class WindowFitter final : public MovingFit {
   double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
   [[nodiscard]] bool is_finite(int local, double cost);
   [[nodiscard]] bool has_finite_solution() const;
-  void find_crossings(int frame);
-  void pose_half_way(int frame);
-  void add_crossings(int frame, double* h, double* g, TermCosts& costs);
   void adapt_damping(int local, double cost);
   void add_steps(int frame, double* h, double* g);
   void move_base(std::span<const double> x, std::span<double> qpos);
@@ -104,14 +100,10 @@ class WindowFitter final : public MovingFit {
   bool with_dynamics_ = false;  // Whether the current step includes the dynamics terms.
   TreeState pose_;
   TreeState pose_before_;  // Of the frame before, while crossings are found.
-  HalfWay half_way_;
-  int half_way_to_ = -1;  // Frame to which half_way_ leads in this step; -1: none.
+  std::optional<CrossingTerms> crossings_;
   JointSpeeds speeds_;
   BlockChain chain_;
   std::vector<NearList> pairs_;  // By frame.
-  // By frame: pairs that overlap, or nearly so, half-way from the frame before.
-  std::vector<std::vector<std::uint32_t>> crossings_;
-  std::vector<std::uint32_t> candidates_;
   // Largest change of a distance for which the pairs stay: half of that after which a shape that
   // was not near may overlap. The other half is for the steps until the next update.
   double pairs_stay_;
@@ -141,11 +133,9 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       terms_(model, options),
       pose_(model.tree),
       pose_before_(model.tree),
-      half_way_(model),
       speeds_(model, options, clip),
       chain_(dofs_),
       pairs_(at(window.end - window.begin)),
-      crossings_(window.between_frames ? pairs_.size() : 0),
       pairs_stay_(
           std::max(0.0, 0.5 * (kPairsWithin - options.self_collision_margin - kOverlapBand))),
       damping_(pairs_.size(), 0.0),
@@ -159,6 +149,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
   if (options.dynamics && FitDynamics::possible(model)) {
     dynamics_.emplace(model, options, window, clip);
   }
+  if (window.between_frames) crossings_.emplace(model, clip, window_);
 }
 
 FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
@@ -279,7 +270,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   speeds_.update(model_, clip_, first, last);
   chain_.begin(window_.end - window_.begin);
   held_.begin_step();
-  half_way_to_ = -1;
+  if (crossings_) crossings_->begin_step();
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
   const auto decrease = eliminate(move_anchors, look_for_pairs);
   status_.predicted_decrease = decrease.value_or(1.0);
@@ -323,14 +314,16 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
 // @return the frame's cost, including that of the step to the next frame.
 double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
-  const bool look_between = window_.between_frames && look_for_pairs;
+  const bool look_between = crossings_ && look_for_pairs;
   if (look_between) std::swap(pose_, pose_before_);
   pose_.update(clip_.frame(frame, model_.configuration_size));
   const int age = ages_.empty() ? -1 : ages_[at(t)];
   if (options_.self_collision && (age < 0 ? look_for_pairs : age % kPairsEvery == 0)) {
     terms_.update_near_pairs(pose_, kPairsWithin, pairs_stay_, pairs_[at(t)]);
   }
-  if (look_between && t > 0) find_crossings(frame);
+  if (look_between && t > 0) {
+    crossings_->find(frame, {pose_before_, pairs_[at(t) - 1].pairs}, {pose_, pairs_[at(t)].pairs});
+  }
   double* const h = chain_.block(t);
   double* const g = chain_.right(t);
   TermCosts costs{};
@@ -342,7 +335,7 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   worst_overlap_ =
       std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
   if (move_anchors) places_.push_apart(window_, frame, terms_.foot_overlap());
-  if (window_.between_frames) add_crossings(frame, h, g, costs);
+  if (crossings_) crossings_->add(frame, terms_, g, h, chain_.stride(), costs);
   // Damping depends on the cost without the anchor term: anchors and their weight change between
   // steps, so their cost does not show whether the step was too long.
   double cost = -costs[kTermContactPlace];
@@ -366,44 +359,6 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
   if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
   return std::accumulate(costs.begin(), costs.end(), dynamics_cost);
-}
-
-// Finds the pairs that pass through each other in the step to a frame, among those that are near in
-// one of its frames. They stay listed, because the term must hold them apart.
-void WindowFitter::find_crossings(int frame) {
-  constexpr double kNearlyOverlap = 0.02;  // Metres.
-  std::vector<std::uint32_t>& found = crossings_[at(local(frame))];
-  const auto& before = pairs_[at(local(frame) - 1)].pairs;
-  candidates_.clear();
-  std::ranges::set_union(before, pairs_[at(local(frame))].pairs, std::back_inserter(candidates_));
-  for (const std::uint32_t pair : candidates_) {
-    if (std::ranges::find(found, pair) != found.end()) continue;
-    if (!may_cross(model_, pose_before_, pose_, pair)) continue;
-    pose_half_way(frame);
-    if (pair_distance(model_, half_way_.pose(), pair) < kNearlyOverlap) found.push_back(pair);
-  }
-}
-
-// Computes the pose half-way from the frame before; once in every step of the solver.
-void WindowFitter::pose_half_way(int frame) {
-  if (half_way_to_ == frame) return;
-  half_way_.update(clip_.frame(frame - 1, model_.configuration_size),
-                   clip_.frame(frame, model_.configuration_size));
-  half_way_to_ = frame;
-}
-
-// Adds the self-collision terms half-way to the frames before and after.
-//
-// Such a term depends on two frames: its residual is r + J (a + b) / 2, where a and b are their
-// changes. The sum of half the squares of r + J a and r + J b is never less, and has the same value
-// and gradient at a = b = 0. It couples no frames.
-void WindowFitter::add_crossings(int frame, double* h, double* g, TermCosts& costs) {
-  for (const int later : {frame, frame + 1}) {
-    if (later >= window_.end || crossings_[at(local(later))].empty()) continue;
-    pose_half_way(later);
-    terms_.add_crossings(half_way_.pose(), crossings_[at(local(later))], g, h, chain_.stride(),
-                         costs);
-  }
 }
 
 // Checks a frame's cost, gradient and Hessian diagonal. The diagonal suffices: its entries are sums

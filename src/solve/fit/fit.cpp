@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <thread>
 #include <utility>
@@ -27,8 +24,8 @@
 #include "retarget/text.h"
 #include "solve/fit/branch_recovery.h"
 #include "solve/fit/clip_fitter.h"
-#include "solve/fit/fit_dynamics.h"
 #include "solve/fit/fit_model.h"
+#include "solve/fit/fit_notes.h"
 #include "solve/fit/fit_setup.h"
 #include "solve/fit/fit_status_report.h"
 #include "solve/fit/fit_windows.h"
@@ -41,85 +38,6 @@
 #include "solve/targets/targets.h"
 
 namespace retarget {
-
-PathScales path_scales(const TargetBuilder& targets) {
-  HumanPose low, high, all;
-  for (Pose& pose : all) pose.translation.z() = 1.0;
-  int foot = targets.target_of(Bone::kLeftFootMod);
-  // A model with one leg may have only a right foot.
-  const Bone foot_bone = foot < 0 ? Bone::kRightFootMod : Bone::kLeftFootMod;
-  foot = targets.target_of(foot_bone);
-  std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
-  targets.build(low, at_rest);
-  targets.build(all, raised);
-  const auto rise = [&](int target) {
-    return (raised[at(target)].translation - at_rest[at(target)].translation).z();
-  };
-  // Raising all bones by one metre raises each target by the root's scale. Raising only the foot
-  // bone raises its target by the foot's own scale.
-  PathScales scales{rise(0), rise(0)};
-  // A fixed base does not travel.
-  if (foot >= 0 && !targets.base_is_held()) {
-    high[foot_bone].translation.z() = 1.0;
-    targets.build(high, raised);
-    scales.foot = rise(foot);
-  }
-  return scales;
-}
-
-FitOptions options_for(const Robot& robot, FitOptions options) {
-  if (!robot.fixed_base()) return options;
-  options.contact = options.floor = options.foot_height = options.dynamics = false;
-  return options;
-}
-
-LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
-  LimitSet result = limits;
-  const auto own = load_limits(robot, robot.limits_for("gmr"));
-  if (!own) return result;
-  for (std::size_t i = 0; i < result.lower.size(); ++i) {
-    const double lower = std::max(limits.lower[i], own->lower[i]);
-    const double upper = std::min(limits.upper[i], own->upper[i]);
-    if (lower > upper) continue;
-    result.lower[i] = lower;
-    result.upper[i] = upper;
-  }
-  return result;
-}
-
-FitOptions sized_options(FitOptions options, double leg) {
-  const double size = kUsualLeg / leg;
-  TrackingWeights& w = options.weights;
-  for (double* weight :
-       {&w.hips_position, &w.thigh_position, &w.shank_position, &w.foot_position,
-        &w.upper_arm_position, &w.forearm_position, &w.hand_position, &w.other_position,
-        &options.foot_height_near, &options.foot_height_far, &options.smoothness_root_position}) {
-    *weight *= size;
-  }
-  for (double* weight :
-       {&options.contact_weight, &options.contact_height_weight, &options.body_contact_weight,
-        &options.body_contact_height_weight, &options.sole_floor_weight, &options.body_floor_weight,
-        &options.self_collision_weight, &options.scene_contact_weight, &options.scene_place_weight,
-        &options.scene_hold_weight}) {
-    *weight *= std::max(size, 1.0);
-  }
-  return options;
-}
-
-FitOptions options_for_noise(FitOptions options, double noise) {
-  constexpr double kLeast = 2.0 / 3.0;
-  options.body_contact_weight *= 1.0 - (1.0 - kLeast) * noise;
-  return options;
-}
-
-SourceSides sides_with_feet(const HumanClipInfo& info) {
-  const auto has_foot = [&](Side side) {
-    return std::ranges::all_of(
-        std::array{LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kToe},
-        [&](LimbBone part) { return info.has(side_bone(side, part)); });
-  };
-  return {has_foot(Side::kLeft), has_foot(Side::kRight)};
-}
 
 namespace {
 
@@ -173,49 +91,6 @@ class Fit {
   SourceFeet feet_;
   std::vector<Eigen::Vector3d> path_;  // By frame: offset added to the first stage's targets.
 };
-
-// Reports why the fit omits foot terms.
-void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
-  if (robot.fixed_base()) {
-    report.notes.emplace_back("fixed base: the fit has no foot, contact and floor terms");
-  } else if (robot.profile().soles.empty()) {
-    report.notes.emplace_back(
-        "the robot has no soles: the fit has no contact and foot height terms");
-  } else if (!sides.left && !sides.right) {
-    report.notes.emplace_back(
-        "the source has no feet: the fit has no contact and foot height terms");
-  } else if (!sides.left || !sides.right) {
-    report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
-                              " foot: the fit has contacts of the other foot only");
-  }
-}
-
-// Reports why the fit omits the dynamics term.
-void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& report) {
-  if (!options.dynamics || FitDynamics::possible(model)) return;
-  report.notes.emplace_back("the robot has no masses or no feet: the fit has no dynamics term");
-}
-
-// Reports that the feet stand on surfaces that are not in the source: boxes and steps, or errors
-// of the root's height that look like them.
-void note_raised_feet(const FitClip& clip, FitReport& report) {
-  constexpr double kShare = 0.05, kTime = 0.5;  // Share of the frames, seconds.
-  const RaisedFrames raised = raised_frames(clip.feet, clip.frame_count);
-  const double share = static_cast<double>(raised.count) / clip.frame_count;
-  if (share < kShare || raised.count * clip.frame_time < kTime) return;
-  report.notes.push_back(fmt::format(
-      "in {:.0f} % of the frames, the feet stand only on raised surfaces (up to {:.2f} m) that are "
-      "not in the motion: `retarget scene-from-motion` finds them for " OPTION(
-          "scene") "; if the human's floor was flat, the height of the root is wrong",
-      100.0 * share, raised.highest));
-}
-
-// Reports that the floor is not that of feet.
-void note_floor(const StandingHeights& standing, FitReport& report) {
-  if (!standing.from_body) return;
-  report.notes.emplace_back(
-      "no foot stands long enough: the floor is where the lowest part of the body rests");
-}
 
 // Reads the human's poses and makes the targets of all frames.
 // @return true if all targets are finite and small enough for the computation.

@@ -1,0 +1,50 @@
+#include "solve/fit/fit_notes.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "base/option_name.h"
+#include "solve/fit/fit_dynamics.h"
+
+namespace retarget {
+
+void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
+  if (robot.fixed_base()) {
+    report.notes.emplace_back("fixed base: the fit has no foot, contact and floor terms");
+  } else if (robot.profile().soles.empty()) {
+    report.notes.emplace_back(
+        "the robot has no soles: the fit has no contact and foot height terms");
+  } else if (!sides.left && !sides.right) {
+    report.notes.emplace_back(
+        "the source has no feet: the fit has no contact and foot height terms");
+  } else if (!sides.left || !sides.right) {
+    report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
+                              " foot: the fit has contacts of the other foot only");
+  }
+}
+
+void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& report) {
+  if (!options.dynamics || FitDynamics::possible(model)) return;
+  report.notes.emplace_back("the robot has no masses or no feet: the fit has no dynamics term");
+}
+
+void note_raised_feet(const FitClip& clip, FitReport& report) {
+  constexpr double kShare = 0.05, kTime = 0.5;  // Share of the frames, seconds.
+  const RaisedFrames raised = raised_frames(clip.feet, clip.frame_count);
+  const double share = static_cast<double>(raised.count) / clip.frame_count;
+  if (share < kShare || raised.count * clip.frame_time < kTime) return;
+  report.notes.push_back(fmt::format(
+      "in {:.0f} % of the frames, the feet stand only on raised surfaces (up to {:.2f} m) that are "
+      "not in the motion: `retarget scene-from-motion` finds them for " OPTION(
+          "scene") "; if the human's floor was flat, the height of the root is wrong",
+      100.0 * share, raised.highest));
+}
+
+void note_floor(const StandingHeights& standing, FitReport& report) {
+  if (!standing.from_body) return;
+  report.notes.emplace_back(
+      "no foot stands long enough: the floor is where the lowest part of the body rests");
+}
+
+}  // namespace retarget
