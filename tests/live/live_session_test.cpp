@@ -237,6 +237,20 @@ TEST(LiveLag, IsSmootherThanSingleFrames) {
   }
 }
 
+// A cost on changes of acceleration, without later frames, made the arms swing at their speed limits.
+TEST(LiveLag, ShortLagsDoNotOscillate) {
+  const Plan plan = sample_plan("walk", Method::kFit);
+  const HumanClip human = human_of(plan);
+  LiveSession lagging = session_of(plan, with_lag(plan.rate.fps(), 0.2));
+  const QualityReport late = measured(plan, streamed(lagging, human));
+  for (const double lag : {0.0, 0.04}) {
+    LiveSession session = session_of(plan, with_lag(plan.rate.fps(), lag));
+    const QualityReport early = measured(plan, streamed(session, human));
+    EXPECT_LT(figure(early, "acc_rms"), 1.6 * figure(late, "acc_rms")) << lag;
+    EXPECT_LT(figure(early, "limb_angle_deg"), figure(late, "limb_angle_deg") + 1.0) << lag;
+  }
+}
+
 TEST(Live, RejectsImpossibleOptions) {
   const Plan plan = sample_plan("wave", Method::kGmr);
   EXPECT_EQ(LiveSession::make(plan, with_lag(50.0, 0.2)).error().kind, ErrorKind::kUsage);

@@ -86,6 +86,18 @@ namespace {
 
 constexpr double kKeptTime = 6.0;  // Time of sent frames that contact detection uses, seconds.
 constexpr int kMostAtATime = 50;   // Longest window that takes steps in every frame, frames.
+// Length from which a window determines the motion of its newest frames, seconds.
+constexpr double kFullWindow = 0.04;
+
+// The options for a window of the given length. Without later frames, a cost on changes of
+// acceleration continues every swing of a limb, so that it oscillates at its speed limit; a cost on
+// accelerations makes limbs lag and overshoot. A short window has less of both.
+FitOptions options_of_window(FitOptions options, double seconds) {
+  if (seconds > 0.999 * kFullWindow) return options;
+  options.limb_smoothing_time = 0.0;
+  options.smoothing_time *= seconds / kFullWindow;
+  return options;
+}
 
 template <typename Value>
 void erase_first(std::vector<Value>& values, std::size_t count) {
@@ -97,19 +109,20 @@ void erase_first(std::vector<Value>& values, std::size_t count) {
 LagFit::LagFit(const OnlineTargets& stage, double frame_time, int lag_frames)
     : stage_(stage),
       model_(stage.model()),
+      options_(options_of_window(stage.options(), (lag_frames + 1) * frame_time)),
       lag_frames_(lag_frames),
       kept_frames_(
           std::max(static_cast<int>(kKeptTime / frame_time), smoothing_context(frame_time) + 1)),
       feet_(stage.human()),
       pose_(model_.tree) {
   const int window = lag_frames + 1;
-  steps_ = std::max(1, (stage.options().iterations + window - 1) / window);
+  steps_ = std::max(1, (options_.iterations + window - 1) / window);
   turn_ = (window + kMostAtATime - 1) / kMostAtATime;
   clip_.frame_time = frame_time;
   feet_.frame_time = frame_time;
   for (const FitFoot& foot : model_.feet) source_feet_.push_back(source_foot(foot));
   reserve();
-  fit_ = make_moving_fit(model_, stage.options(), clip_, smoothing_context(frame_time));
+  fit_ = make_moving_fit(model_, options_, clip_, smoothing_context(frame_time));
 }
 
 // Reserves memory for a stream of any length.
@@ -136,7 +149,7 @@ void LagFit::restart() {
   sent_ = forgotten_ = wait_ = 0;
   finished_ = false;
   reserve();
-  fit_ = make_moving_fit(model_, stage_.options(), clip_, smoothing_context(frame_time));
+  fit_ = make_moving_fit(model_, options_, clip_, smoothing_context(frame_time));
 }
 
 void LagFit::push(const HumanPose& world_from_bone, std::span<const Pose> world_from_target,
@@ -164,7 +177,7 @@ void LagFit::finish() {
   if (clip_.frame_count <= sent_) return;
   plan_contacts();
   fit_->move(window_begin(), std::exchange(forgotten_, 0));
-  take_steps(stage_.options().iterations);
+  take_steps(options_.iterations);
 }
 
 void LagFit::take_steps(int count) {
@@ -206,14 +219,14 @@ void LagFit::start_frame(std::span<const double> qpos, const Eigen::Vector3d& pa
   const auto now = clip_.frame(clip_.frame_count - 1, model_.configuration_size);
   for (std::size_t k = 0; k < 3; ++k) now[k] += path[static_cast<int>(k)];
   now[2] -= floor_;
-  if (!stage_.options().floor) return;
+  if (!options_.floor) return;
   pose_.update(now);
   now[2] -= lowest_below_floor(model_, pose_);
 }
 
 void LagFit::plan_contacts() {
   if (model_.feet.empty()) return;
-  ContactOptions options = contact_options(stage_.options());
+  ContactOptions options = contact_options(options_);
   options.goes_on = !finished_;
   const ContactPlan& contacts = planner_.plan(feet_, options);
   std::swap(old_phases_, clip_.feet.phases);

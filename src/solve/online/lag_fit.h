@@ -118,6 +118,7 @@ class LagFit {
 
   const OnlineTargets& stage_;
   const FitModel& model_;
+  FitOptions options_;  // Those of the stage, adapted to the length of the window.
   int lag_frames_;
   int kept_frames_;  // Number of sent frames after a cleanup, which happens at twice as many.
   int steps_ = 1;    // Solver steps every turn_ frames.
