@@ -6,7 +6,6 @@
 
 #include "base/math/se3.h"
 #include "ik/ik_cases.h"
-#include "solve/ik/frame_error.h"
 #include "solve/ik/published_jacobian.h"
 #include "support/exp_se3.h"
 
@@ -71,32 +70,6 @@ TEST(FastSolver, TasksOnFixedBodiesOnlyAddToTheError) {
   ASSERT_NE(robot, nullptr);
   IkCase ik_case = random_case(robot, 3, 8);
   EXPECT_LT(engines_differ(ik_case, {}, 0), 1e-9);
-}
-
-TEST(FrameError, MatchesReferenceErrorAndJacobian) {
-  std::mt19937 engine(2);
-  std::normal_distribution<double> normal;
-  for (const double angle : {1e-7, 0.9e-5, 1e-3, 0.1, 1.0, 2.5, 3.1}) {
-    Vector6d twist;
-    for (int i = 0; i < 6; ++i) twist[i] = normal(engine);
-    twist.tail<3>() *= angle / twist.tail<3>().norm();
-    const Pose body{
-        Eigen::Quaterniond(normal(engine), normal(engine), normal(engine), 1).normalized(),
-        {1.0, -2.0, 0.5}};
-    const FrameError error = frame_error(body, body * exp_se3(twist));
-    const Eigen::Matrix3d R = body.rotation.toRotationMatrix();
-    EXPECT_LT((error.linear - R * twist.head<3>()).norm(), 1e-9) << angle;
-    EXPECT_LT((error.angular - R * twist.tail<3>()).norm(), 1e-12) << angle;
-    // The inverse left Jacobian in world axes: A on the diagonal, -A Q A next to it.
-    const ErrorJacobian jacobian(error);
-    const Matrix6d inverse = published_jacobian_inverse(twist);
-    const Eigen::Matrix3d A = R * inverse.topLeftCorner<3, 3>() * R.transpose();
-    const Eigen::Matrix3d side = R * inverse.topRightCorner<3, 3>() * R.transpose();
-    EXPECT_LT((A * jacobian.coupling() + side).norm(), 1e-8) << angle;
-    EXPECT_LT((jacobian.square() - A.transpose() * A).norm(), 1e-12) << angle;
-    const Eigen::Vector3d v(0.3, -0.7, 1.1);
-    EXPECT_LT((jacobian.transposed_times(v) - A.transpose() * v).norm(), 1e-12) << angle;
-  }
 }
 
 // Squares of such distances overflow.

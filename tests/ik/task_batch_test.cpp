@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/math/se3.h"
-#include "solve/ik/frame_error.h"
+#include "solve/ik/published_jacobian.h"
 
 namespace retarget {
 namespace {
@@ -43,24 +43,31 @@ class TaskBatchTest : public testing::Test {
   [[nodiscard]] Pose world_from_body(int i) const {
     return world_from_link_[i] * link_from_body_[i];
   }
-  [[nodiscard]] FrameError error(int i) const {
-    return frame_error(world_from_body(i), world_from_target_[i]);
+  // In the axes of the body.
+  [[nodiscard]] Vector6d error(int i) const {
+    return log_se3(world_from_body(i).inverse() * world_from_target_[i]);
   }
 
-  // 1/2 |W (J V + e)|^2 without the constant, from the Jacobian [-A, A K; 0, -A] of the error.
+  // 1/2 |W (J V + e)|^2 without the constant, by the Jacobian of the reference engine. V is the
+  // velocity of a point at the origin and the angular velocity, in world axes.
   [[nodiscard]] Composite expected_form(int i) const {
-    const FrameError error = this->error(i);
-    const ErrorJacobian jacobian(error);
-    const double wp = weights_.position[i], wr = weights_.rotation[i];
-    const Eigen::Matrix3d G = jacobian.square();
-    const Eigen::Matrix3d K = skew(world_from_body(i).translation - origin_) + jacobian.coupling();
-    const Eigen::Vector3d pull = wp * jacobian.transposed_times(error.linear);
+    const Vector6d error = this->error(i);
+    const Eigen::Matrix3d R = world_from_body(i).rotation.conjugate().toRotationMatrix();
+    Matrix6d body_from_origin;
+    body_from_origin << R, -R * skew(world_from_body(i).translation - origin_),
+        Eigen::Matrix3d::Zero(), R;
+    const Matrix6d jacobian = -published_jacobian_inverse(error) * body_from_origin;
+    Vector6d weights;
+    weights << Eigen::Vector3d::Constant(weights_.position[i]),
+        Eigen::Vector3d::Constant(weights_.rotation[i]);
+    const Matrix6d hessian = jacobian.transpose() * weights.asDiagonal() * jacobian;
+    const Vector6d gradient = jacobian.transpose() * weights.asDiagonal() * error;
     Composite form;
-    form.linear = wp * G;
-    form.mixed = -wp * G * K;
-    form.angular = wr * G + wp * K.transpose() * G * K;
-    form.force = -pull;
-    form.torque = K.transpose() * pull - wr * error.angular;
+    form.linear = hessian.topLeftCorner<3, 3>();
+    form.mixed = hessian.topRightCorner<3, 3>();
+    form.angular = hessian.bottomRightCorner<3, 3>();
+    form.force = gradient.head<3>();
+    form.torque = gradient.tail<3>();
     return form;
   }
 
@@ -80,17 +87,17 @@ class TaskBatchTest : public testing::Test {
   std::vector<Pose> link_from_body_, world_from_link_, world_from_target_;
 };
 
-TEST_F(TaskBatchTest, ErrorsEqualThoseOfSingleTasks) {
+TEST_F(TaskBatchTest, ErrorsEqualTheLogarithm) {
   for (int i = 0; i < size(); ++i) {
-    const FrameError expected = error(i);
-    EXPECT_NEAR(batch_.squared_error(i), expected.squared_norm(), 1e-14) << i;
-    const double weighted = weights_.position[i] * expected.linear.squaredNorm() +
-                            weights_.rotation[i] * expected.angle_squared;
+    const Vector6d expected = error(i);
+    EXPECT_NEAR(batch_.squared_error(i), expected.squaredNorm(), 1e-14) << i;
+    const double weighted = weights_.position[i] * expected.head<3>().squaredNorm() +
+                            weights_.rotation[i] * expected.tail<3>().squaredNorm();
     EXPECT_NEAR(batch_.weighted_error(i, weights_), weighted, 1e-12) << i;
   }
 }
 
-TEST_F(TaskBatchTest, FormsEqualThoseOfSingleTasks) {
+TEST_F(TaskBatchTest, FormsEqualThoseOfTheReferenceJacobian) {
   batch_.build_forms(weights_);
   for (int i = 0; i < size(); ++i) {
     Composite found;
@@ -98,7 +105,7 @@ TEST_F(TaskBatchTest, FormsEqualThoseOfSingleTasks) {
     batch_.add_form(i, found);
     const Composite expected = expected_form(i);
     // The closed forms lose digits at small angles.
-    const double angle = std::sqrt(error(i).angle_squared);
+    const double angle = error(i).tail<3>().norm();
     const double tolerance = angle < 0.01 && angle > 1e-5 ? 1e-7 : 1e-10;
     EXPECT_LT((found.linear - 2.0 * expected.linear).norm(), tolerance) << i;
     EXPECT_LT((found.mixed - 2.0 * expected.mixed).norm(), tolerance) << i;

@@ -5,12 +5,18 @@
 
 #include "base/math/simd.h"
 #include "retarget/trigonometry.h"
-#include "solve/ik/frame_error.h"
 
 namespace retarget {
 namespace {
 
 constexpr int kTasksTogether = TaskBatch::kLanes;
+// Small-angle thresholds of the published method; see published_jacobian_inverse().
+constexpr double kSmallAngleSquared = 1e-10;
+constexpr double kNoRotation = 1e-10;
+// Angle (0.02 rad, squared) above which the sine and cosine may come from the quaternion. Below it,
+// the rounding error of the closed forms depends on the last bit of the sine, so that both engines
+// must compute it in the same way.
+constexpr double kPlainAngleSquared = 4e-4;
 
 // Vectors without Eigen, whose expressions do not vectorise over tasks.
 struct Triple {
@@ -99,7 +105,8 @@ struct Lane {
   }
 };
 
-// frame_error() without branches.
+// The error of a task, without branches. The rotation from the body to the target in world axes is
+// the quaternion of q and -q with w >= 0.
 RETARGET_INLINE void measure_lane(const Lane& lane, const Triple& origin) {
   using Row = TaskBatch::Row;
   const Quaternion link = lane.quaternion(Row::kLink);
@@ -117,6 +124,7 @@ RETARGET_INLINE void measure_lane(const Lane& lane, const Triple& origin) {
   const double angular_scale = std::copysign(angle, turn.w) / n;
   const Triple angular = (turned ? angular_scale : 0.0) * turn.vec;
   const double squared = angle * angle;
+  // V^-1 of the logarithm. Sine and cosine of half the angle are n and w.
   const double second_beyond = (1.0 - 0.5 * angle * w / n) / squared;
   const double second = squared < kSmallAngleSquared ? 1.0 / 12.0 : second_beyond;
   const Triple once = cross(angular, offset);
@@ -132,7 +140,8 @@ RETARGET_INLINE void measure_lane(const Lane& lane, const Triple& origin) {
   lane.set(Row::kSquaredError, squared_linear + squared);
 }
 
-// The functions of the angle that ErrorJacobian uses. Below the small angle, A is I and Q is 0.
+// Functions of the angle: A = I - half W + beta W^2 and A'A = I + gamma (w w' - |w|^2 I) with
+// W = skew(w); b, c and d are those of coupling(). Below the small angle, A is I and Q is 0.
 struct AngleTerms {
   double half, beta, gamma, b, c, d;
 };
@@ -154,7 +163,12 @@ RETARGET_INLINE AngleTerms angle_terms(double squared, double half_sine, double 
           small ? 0.0 : b,   small ? 0.0 : c,    small ? 0.0 : d};
 }
 
-// ErrorJacobian::coupling().
+// The matrix Q A. Let s = v.w and V = skew(v). With V W = w v' - s I and W V W = -s W, Barfoot's
+// Q(v, w) simplifies to
+//   Q = (1/2 + c theta^2) V - s (b + 2c) W + b (v w' + w v') - 2 d s w w' + 2 s (d theta^2 - b) I
+//   b = (theta - sin)/theta^3, c = (1 - theta^2/2 - cos)/theta^4,
+//   d = (2 theta - 3 sin + theta cos)/(2 theta^5)
+// and Q A = Q - 1/2 Q W + beta (Q w w' - theta^2 Q).
 RETARGET_INLINE Columns coupling(const AngleTerms& of, double squared, const Triple& v,
                                  const Triple& w) {
   const double s = dot(v, w);

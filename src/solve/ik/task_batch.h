@@ -10,8 +10,15 @@
 
 namespace retarget {
 
-/// Errors of frame tasks and the quadratic forms of their squares, as frame_error() and
-/// ErrorJacobian compute them for one task, for four tasks per vector (docs/ik.md).
+/// Errors of frame tasks and the quadratic forms of their squares, for four tasks per vector.
+///
+/// With the error twist e = log(T_wb^-1 T_wt) = [e_v; w] of the published method and A = J_l^-1(w)
+/// on SO(3) (which is also the V^-1 of the logarithm), the inverse left Jacobian of SE(3) is
+///   [[A, -A Q A], [0, A]].
+/// A rotation of e from body to world axes changes neither norms nor A'A, so all quantities are in
+/// world axes (docs/ik.md). The closed forms are those of published_jacobian_inverse(), also at
+/// small angles, where digits cancel: the same expressions of the same values lose the same digits,
+/// so that both engines agree.
 ///
 /// Tasks are numbered from 0. Does not allocate after construction.
 class TaskBatch {
@@ -50,14 +57,14 @@ class TaskBatch {
   /// The quantities of a task. Symmetric 3x3 matrices have the entries xx, yx, zx, yy, zy, zz;
   /// other matrices have nine, column by column.
   enum Row : int {
-    kLink,                 // Pose of the link in the world: rotation x y z w, translation.
-    kBody = kLink + 7,     // Pose of the body in the link.
-    kTarget = kBody + 7,   // Pose of the target in the world.
-    kLever = kTarget + 7,  // From the base's origin to the body, world axes.
-    kLinear = kLever + 3,  // As in FrameError, up to kHalfCosine.
-    kAngular = kLinear + 3,
+    kLink,                   // Pose of the link in the world: rotation x y z w, translation.
+    kBody = kLink + 7,       // Pose of the body in the link.
+    kTarget = kBody + 7,     // Pose of the target in the world.
+    kLever = kTarget + 7,    // From the base's origin to the body, world axes.
+    kLinear = kLever + 3,    // The linear part e_v of the error, metres.
+    kAngular = kLinear + 3,  // The rotation vector w, radians.
     kSquaredAngle = kAngular + 3,
-    kHalfSine,
+    kHalfSine,  // Sine of half the angle, from the quaternion.
     kHalfCosine,
     kSquaredLinear,
     kSquaredError,

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/math/se3.h"
 #include "base/try.h"
-#include "solve/ik/frame_error.h"
 #include "solve/targets/frame_solver.h"
 #include "solve/targets/targets.h"
 
@@ -146,8 +146,8 @@ class FrameRetargeter::Impl {
     forward_kinematics(*robot_, qpos_, world_from_body_);
     double sum = 0.0;
     for (const FrameTask& task : *pass) {
-      sum +=
-          frame_error(world_from_body_[task.body], world_from_target_[task.target]).squared_norm();
+      const Pose target_from_world = world_from_target_[task.target].inverse();
+      sum += log_se3(target_from_world * world_from_body_[task.body]).squaredNorm();
     }
     return std::sqrt(sum);
   }

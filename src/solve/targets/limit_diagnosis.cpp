@@ -6,10 +6,11 @@
 #include <span>
 #include <utility>
 
+#include "base/math/se3.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
-#include "solve/ik/frame_error.h"
 #include "solve/ik/ik_solver.h"
+#include "solve/ik/published_jacobian.h"
 
 namespace retarget {
 namespace {
@@ -118,26 +119,27 @@ class PushSum {
     return tree_.carries(link, tree_.attachment(task.body).link);
   }
 
-  // With the body's velocity [v; u] for a unit velocity of the joint, in world axes:
-  //   d e_v = -A (v - Q A u),  d w = -A u  and  A' w = w.
+  // The pull of the task's error on a unit velocity of the joint: half the rate at which the
+  // squared error falls.
   void add_task(Candidate& candidate, std::size_t t, const Pose& world_from_target) const {
     const FrameTask& task = pass_[t];
     const Pose world_from_body = state_.world_from_body(task.body);
-    const FrameError error = frame_error(world_from_body, world_from_target);
-    const ErrorJacobian jacobian(error);
     const int dof = KinematicTree::dof_of(candidate.link);
-    const Eigen::Vector3d& turn = state_.angular[dof];
-    const Eigen::Vector3d velocity = state_.velocity_at(dof, world_from_body.translation);
+    const Eigen::Quaterniond body_from_world = world_from_body.rotation.conjugate();
+    Vector6d velocity;  // Of the body, in its axes.
+    velocity << body_from_world * state_.velocity_at(dof, world_from_body.translation),
+        body_from_world * Eigen::Vector3d(state_.angular[dof]);
+    const Vector6d error = log_se3(world_from_body.inverse() * world_from_target);
+    const Vector6d fall = published_jacobian_inverse(error) * velocity;
 
-    const Eigen::Vector3d pull = jacobian.transposed_times(error.linear);
     const double outward = candidate.found.at_upper ? 1.0 : -1.0;
-    const double to_position = pull.dot(velocity - jacobian.coupling() * turn);
-    const double to_rotation = error.angular.dot(turn);
+    const double to_position = error.head<3>().dot(fall.head<3>());
+    const double to_rotation = error.tail<3>().dot(fall.tail<3>());
     TaskPush& push = candidate.tasks[t];
     push.strength[0] += outward * task.position_weight * task.position_weight * to_position;
     push.strength[1] += outward * task.rotation_weight * task.rotation_weight * to_rotation;
     push.shortfall[0] += (world_from_target.translation - world_from_body.translation).norm();
-    push.shortfall[1] += error.angular.norm();
+    push.shortfall[1] += error.tail<3>().norm();
   }
 
   IkPass pass_;
