@@ -119,10 +119,13 @@ struct TrackingWeights {
   double hips_rotation = 16.0;  ///< Per radian.
   double torso_rotation = 16.0;
   double thigh_position = 0.0;
-  double thigh_rotation = 8.0;
+  double thigh_rotation = 14.0;  ///< Of the bone's direction.
+  double thigh_twist = 6.0;  ///< Of the rotation about the bone. Hips with offsets cannot follow
+                             ///< twist and foot direction together.
   double shank_position = 10.0;
-  double shank_rotation = 8.0;
-  double foot_position = 30.0;  ///< Horizontal; for a foot off the ground also vertical.
+  double shank_rotation = 13.0;  ///< Of the bone's direction.
+  double shank_twist = 5.0;      ///< Of the rotation about the bone.
+  double foot_position = 30.0;   ///< Horizontal; for a foot off the ground also vertical.
   double foot_rotation = 16.0;
   double upper_arm_position = 5.0;
   double upper_arm_rotation = 48.0;
@@ -152,6 +155,8 @@ struct FitOptions {
   double foot_height_near = 80.0;  ///< Weight of the clearance of a foot near the floor, per metre.
   double foot_height_far = 40.0;   ///< The same for a foot `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
+  double foot_height_below = 2.0;   ///< Factor for these weights while a foot is below its
+                                    ///< clearance.
 
   /// Weight of the distance from heel or toe to its anchor, per metre.
   double contact_weight = 1000.0;

@@ -53,6 +53,33 @@ FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
   return plan;
 }
 
+// Stands, and raises the heel slowly to `rise` metres for a second while the toe stays.
+SourceFeet on_tiptoe(double rise) {
+  SourceFeet feet = make_feet(5.0, 30.0, [](double) { return FootPlace{}; });
+  for (std::size_t frame = 0; frame < feet.feet.size(); ++frame) {
+    const double up = std::clamp(1.5 - std::abs(static_cast<double>(frame) / 30.0 - 2.5), 0.0, 1.0);
+    feet.feet[frame].ankle.z() += rise * up;
+  }
+  return feet;
+}
+
+TEST(FootPlan, SlowlyRisingHeelLeavesTheFloor) {
+  const FootPlan plan = plan_of(on_tiptoe(0.04));
+  const auto heel = [&](int frame) { return plan.ends_of(frame)[kHeelEnd]; };
+  EXPECT_EQ(heel(15).lift, 0.0);
+  EXPECT_GE(heel(75).phase, 0);
+  EXPECT_EQ(heel(75).lift, 1.0);
+  EXPECT_NEAR(heel(75).clearance, 0.04, 1e-12);
+  EXPECT_EQ(plan.ends_of(75)[kToeEnd].lift, 0.0);
+}
+
+TEST(FootPlan, SlightlyRaisedHeelStaysOnTheFloor) {
+  EXPECT_EQ(plan_of(on_tiptoe(0.008)).ends_of(75)[kHeelEnd].lift, 0.0);
+  const double lift = plan_of(on_tiptoe(0.015)).ends_of(75)[kHeelEnd].lift;
+  EXPECT_GT(lift, 0.0);
+  EXPECT_LT(lift, 1.0);
+}
+
 TEST(FootPlan, FindsStandingHeights) {
   const StandingHeights found = find_standing_heights(make_feet(3.0, 30.0, step), {});
   EXPECT_TRUE(found.found);

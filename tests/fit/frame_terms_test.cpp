@@ -38,7 +38,8 @@ class FrameTermsTest : public FitModelTest {
     }
     ends_.assign(4, FootEndGoal{});
     anchors_.clear();
-    ends_[0] = {0.0, 1.0, 0, true, 0.1};
+    ends_[0] = {0.13, 1.0, 0, true, 0.1};
+    ends_[0].lift = 0.4;
     ends_[1] = {0.0, 1.0, 1, false, 0.0};
     ends_[2] = {0.05, 0.7, -1, false, 0.0};
     ends_[3] = {0.02, 2.0, -1, false, 0.0, 2, 0.1, {0.03, -0.02}};

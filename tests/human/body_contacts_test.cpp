@@ -56,6 +56,26 @@ TEST(BodyContacts, LowAndStillKneeIsInContact) {
               ElementsAre(ContactPhase{21, 49}));
 }
 
+TEST(BodyContacts, LowBackRestsOnlyWithLowShoulders) {
+  constexpr std::size_t kBack = 7;
+  static_assert(kSupportBones[kBack] == Bone::kSpine2);
+  SourceFeet source = source_with(kBack, 30, [](int) { return Eigen::Vector3d(0.0, 0.0, 0.12); });
+  EXPECT_THAT(contacts(source, kBack), ElementsAre(ContactPhase{0, 30}));
+  source.has_upper.fill(true);
+  const auto with_shoulders_at = [&](double left, double right) {
+    source.uppers.clear();
+    for (int frame = 0; frame < 30; ++frame) {
+      source.uppers.insert(source.uppers.end(), {left, right, 0.3});
+    }
+    return contacts(source, kBack);
+  };
+  EXPECT_THAT(with_shoulders_at(0.1, 0.12), ElementsAre(ContactPhase{0, 30}));
+  // On its side.
+  EXPECT_THAT(with_shoulders_at(0.08, 0.34), ElementsAre(ContactPhase{0, 30}));
+  // Propped up on an elbow.
+  EXPECT_THAT(with_shoulders_at(0.23, 0.38), IsEmpty());
+}
+
 TEST(BodyContacts, UseTheHeightOfTheJoint) {
   const auto at = [](double height) {
     return [height](int) { return Eigen::Vector3d(0.0, 0.0, height); };

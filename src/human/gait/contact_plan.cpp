@@ -66,6 +66,9 @@ struct RestHeights {
   double begin, end;
 };
 constexpr RestHeights kJointRest{0.09, 0.12}, kSeatRest{0.17, 0.20}, kBackRest{0.13, 0.17};
+// Mean height of the shoulders of a body that lies on its back, its front or a side. The shoulders
+// of a body that props itself up on an elbow are higher, even if its chest is low.
+constexpr RestHeights kShouldersRest{0.22, 0.26};
 // Height of the wrist of a hand that carries the whole body. While feet, knees and seat are at
 // least kAloft above the floor and the hand is still, it stands on something, even if only on its
 // fingers.
@@ -75,6 +78,8 @@ constexpr RestHeights kHandstandRest{0.22, 0.25};
 constexpr double kPressed = 0.05, kCatchSpeed = 0.3;
 // Indices into kSupportBones.
 constexpr std::size_t kLeftKnee = 0, kRightKnee = 1, kSeat = 6;
+// Indices into kUpperBones.
+constexpr std::size_t kUpperLeftShoulder = 0, kUpperRightShoulder = 1;
 
 RestHeights rest_of(Bone bone) {
   if (bone == Bone::kHips) return kSeatRest;
@@ -90,6 +95,7 @@ class BodyContactFinder {
         support_(support),
         rest_(rest_of(kSupportBones[support])),
         is_hand_(limb_bone(kSupportBones[support]) == LimbBone::kHand),
+        is_back_(kSupportBones[support] == Bone::kSpine2),
         floor_(floor),
         scale_(scale),
         options_(options) {}
@@ -114,7 +120,17 @@ class BodyContactFinder {
   [[nodiscard]] bool rests(int frame, bool on) const {
     const RestHeights& rest = is_hand_ && stands_on_hands(frame) ? kHandstandRest : rest_;
     return height(frame) <= (on ? rest.end : rest.begin) &&
-           is_slow(frame, on ? options_.end_speed : options_.begin_speed);
+           is_slow(frame, on ? options_.end_speed : options_.begin_speed) &&
+           (!is_back_ || shoulders_are_low(frame, on));
+  }
+
+  [[nodiscard]] bool shoulders_are_low(int frame, bool on) const {
+    if (source_.uppers.empty() || !source_.has_upper[kUpperLeftShoulder] ||
+        !source_.has_upper[kUpperRightShoulder])
+      return true;
+    const double mean = 0.5 * (source_.upper(frame, kUpperLeftShoulder) +
+                               source_.upper(frame, kUpperRightShoulder));
+    return (mean - floor_) / scale_ <= (on ? kShouldersRest.end : kShouldersRest.begin);
   }
 
   // Whether everything that could carry the body instead of the arms is far up.
@@ -163,7 +179,7 @@ class BodyContactFinder {
   const SourceFeet& source_;
   std::size_t support_;
   RestHeights rest_;
-  bool is_hand_;
+  bool is_hand_, is_back_;
   double floor_, scale_;
   const ContactOptions& options_;
 };

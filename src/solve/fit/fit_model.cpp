@@ -129,23 +129,35 @@ double importance(double weight, double usual) {
 
 // Tracking weights of one kind of bone.
 struct Tracking {
-  double position, rotation;
+  double position, rotation, twist;
   double usual_position, usual_rotation;  // Configuration weights at which these apply in full.
 };
 
 Tracking tracking_of(Bone bone, const TrackingWeights& w) {
-  if (bone == Bone::kHips) return {w.hips_position, w.hips_rotation, 100.0, 5.0};
-  if (bone == Bone::kSpine2) return {w.hips_position, w.torso_rotation, 10.0, 10.0};
+  const auto of = [](double position, double rotation, double usual_position,
+                     double usual_rotation) {
+    return Tracking{position, rotation, rotation, usual_position, usual_rotation};
+  };
+  if (bone == Bone::kHips) return of(w.hips_position, w.hips_rotation, 100.0, 5.0);
+  if (bone == Bone::kSpine2) return of(w.hips_position, w.torso_rotation, 10.0, 10.0);
   const std::optional<LimbBone> part = limb_bone(bone);
-  if (part == LimbBone::kUpLeg) return {w.thigh_position, w.thigh_rotation, 10.0, 5.0};
-  if (part == LimbBone::kLeg) return {w.shank_position, w.shank_rotation, 10.0, 5.0};
-  if (part == LimbBone::kFoot || part == LimbBone::kFootMod) {
-    return {w.foot_position, w.foot_rotation, 50.0, 10.0};
+  if (part == LimbBone::kUpLeg) {
+    return {w.thigh_position, w.thigh_rotation, w.thigh_twist, 10.0, 5.0};
   }
-  if (part == LimbBone::kForeArm) return {w.forearm_position, w.forearm_rotation, 10.0, 5.0};
-  if (part == LimbBone::kArm) return {w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0};
-  if (part == LimbBone::kHand) return {w.hand_position, w.hand_rotation, 10.0, 5.0};
-  return {w.other_position, w.other_rotation, 10.0, 5.0};
+  if (part == LimbBone::kLeg) {
+    return {w.shank_position, w.shank_rotation, w.shank_twist, 10.0, 5.0};
+  }
+  if (part == LimbBone::kFoot || part == LimbBone::kFootMod) {
+    return of(w.foot_position, w.foot_rotation, 50.0, 10.0);
+  }
+  if (part == LimbBone::kForeArm) {
+    return of(w.forearm_position, w.forearm_rotation, 10.0, 5.0);
+  }
+  if (part == LimbBone::kArm) {
+    return of(w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0);
+  }
+  if (part == LimbBone::kHand) return of(w.hand_position, w.hand_rotation, 10.0, 5.0);
+  return of(w.other_position, w.other_rotation, 10.0, 5.0);
 }
 
 void ModelMaker::add_tasks() {
@@ -164,8 +176,12 @@ void ModelMaker::add_tasks() {
     task.link_from_body = attached.link_from_body.rotation.normalized();
     task.horizontal_weight = task.height_weight =
         kind.position * importance(row.position_weight, kind.usual_position);
-    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation) *
-                           (row.rotation_is_guess ? kGuessedRotationShare : 1.0);
+    const double turns = importance(row.rotation_weight, kind.usual_rotation) *
+                         (row.rotation_is_guess ? kGuessedRotationShare : 1.0);
+    task.rotation_weight = kind.rotation * turns;
+    task.twist_weight = kind.twist * turns;
+    // The x axis of a bone points along it.
+    task.twist_axis = task.link_from_body * (row.rotation_offset.conjugate() * Vector3d::UnitX());
     model_.tasks.push_back(task);
   }
 }

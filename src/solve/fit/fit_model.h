@@ -32,9 +32,12 @@ struct FitTask {
   Eigen::Quaterniond link_from_body = Eigen::Quaterniond::Identity();
   double horizontal_weight = 0.0, height_weight = 0.0;  ///< Per metre.
   double rotation_weight = 0.0;                         ///< Per radian.
-  int foot = -1;                                        ///< Index into FitModel::feet if the body
-                                                        ///< is a foot; else -1.
-  std::string body;                                     ///< Name of the body.
+  /// The same for rotations about twist_axis, a unit vector in the link frame.
+  double twist_weight = 0.0;
+  Eigen::Vector3d twist_axis = Eigen::Vector3d::UnitX();
+  int foot = -1;     ///< Index into FitModel::feet if the body
+                     ///< is a foot; else -1.
+  std::string body;  ///< Name of the body.
 };
 
 /// Target position of a task's body (world frame, metres) and target rotation of its link.

@@ -68,6 +68,22 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   }
 }
 
+// Lets an end of a foot rise while the other one stays planted, as in a squat or on tiptoe. A slow
+// end stays in contact up to a height of several centimetres, and its anchor still holds it.
+void lift_ends(double scale, FootPlan& plan) {
+  // Heights above the standing height at which the clearance begins to replace the contact, and
+  // replaces it in full; metres
+  // for legs of 0.85 m.
+  constexpr double kBegin = 0.01, kFull = 0.02;
+  for (std::size_t i = 0; i + 1 < plan.ends.size(); i += 2) {
+    FootEndGoal &heel = plan.ends[i], &toe = plan.ends[i + 1];
+    if (heel.phase < 0 || toe.phase < 0 || !heel.level || !toe.level) continue;
+    const auto rise = [](const FootEndGoal& end) { return end.clearance - end.support; };
+    FootEndGoal& high = rise(heel) > rise(toe) ? heel : toe;
+    high.lift = std::clamp((rise(high) / scale - kBegin) / (kFull - kBegin), 0.0, 1.0);
+  }
+}
+
 // Plans the goals of support bodies.
 class SupportPlanner {
  public:
@@ -247,6 +263,7 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
       }
     }
   }
+  lift_ends(scale * contacts.scale, plan);
   if (plan.foot_count > 0) stress_flights(source, plan);
 }
 

@@ -48,15 +48,33 @@ Vector3d position_weights(const FitTask& task, const FrameGoals& goals) {
   return {horizontal, horizontal, square(task.height_weight) * lying};
 }
 
-double squared_rotation_weight(const FitTask& task, const FrameGoals& goals) {
-  constexpr double kLyingShare = 0.25;
-  const bool may_lie = task.foot >= 0 && !goals.lying.empty();
-  const double lying = may_lie ? goals.lying[at(task.foot)] : 0.0;
-  return square(task.rotation_weight * (1.0 - (1.0 - kLyingShare) * lying));
-}
-
 Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target) {
   return log_so3(world_from_link.rotation * target.world_from_link.conjugate());
+}
+
+RotationTerm rotation_term(const FitTask& task, const FrameGoals& goals,
+                           const Pose& world_from_link, const TaskTarget& target) {
+  constexpr double kLyingShare = 0.25;
+  if (task.rotation_weight <= 0.0) return {};
+  const bool may_lie = task.foot >= 0 && !goals.lying.empty();
+  const double lying = may_lie ? goals.lying[at(task.foot)] : 0.0;
+  const double share = 1.0 - (1.0 - kLyingShare) * lying;
+  const double weight = square(share * task.rotation_weight);
+  const Vector3d error = rotation_error(world_from_link, target);
+  RotationTerm term{weight * error.squaredNorm(), weight * error, weight * Matrix3d::Identity()};
+  if (task.twist_weight == task.rotation_weight) return term;
+  // The twist is the same along the target's axis a as along the link's. Its derivative is J^-T a
+  // with the left Jacobian J of the error; the series is accurate to the sixth order.
+  const double more = square(share * task.twist_weight) - weight;
+  const Vector3d axis = target.world_from_link * task.twist_axis;
+  const double twist = axis.dot(error);
+  const Vector3d cross = error.cross(axis);
+  const double second = (1.0 + error.squaredNorm() / 60.0) / 12.0;
+  const Vector3d rate = axis + 0.5 * cross + second * error.cross(cross);
+  term.cost += more * square(twist);
+  term.gradient += (more * twist) * rate;
+  term.hessian += (more * rate) * rate.transpose();
+  return term;
 }
 
 FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
@@ -106,11 +124,10 @@ void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, Ter
       }
     }
     if (task.rotation_weight > 0.0) {
-      const double weight = squared_rotation_weight(task, goals);
-      const Vector3d error = rotation_error(world, target);
-      composites_[at(task.link)].angular.diagonal().array() += weight;
-      composites_[at(task.link)].torque += weight * error;
-      costs[kTermRotation] += weight * error.squaredNorm();
+      const RotationTerm term = rotation_term(task, goals, world, target);
+      composites_[at(task.link)].angular += term.hessian;
+      composites_[at(task.link)].torque += term.gradient;
+      costs[kTermRotation] += term.cost;
     }
   }
 }
@@ -126,7 +143,8 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   const Vector3d middle = place(end.middle), tip = place(end.tip);
   // A rolling foot stands on its tip, beyond the corners.
   const Vector3d& low = tip.z() < middle.z() ? tip : middle;
-  const bool level = options_.contact && goal.phase >= 0 && goal.level;
+  const bool level = options_.contact && goal.phase >= 0 && goal.level && goal.lift < 1.0;
+  const double down = level ? 1.0 - goal.lift : 0.0;
   const int held_by = goal.phase >= 0 ? goal.phase : goal.near_phase;
   if (options_.contact && held_by >= 0) {
     const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(held_by)] - goal.slide;
@@ -154,15 +172,18 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
       stands = touching;
     }
     error -= goal.support;
-    const double weight = square(options_.contact_height_weight);
+    const double weight = square(down * options_.contact_height_weight);
     add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
-  } else if (options_.foot_height && goal.importance > 0.0) {
+  }
+  if (down < 1.0 && options_.foot_height && goal.importance > 0.0) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
     const double near = options_.foot_height_near;
+    // A foot that is too low scrapes the floor.
+    const double share = (1.0 - down) * (error < 0.0 ? options_.foot_height_below : 1.0);
     const double weight =
-        square(goal.importance * (near + far * (options_.foot_height_far - near)));
+        square(share * goal.importance * (near + far * (options_.foot_height_far - near)));
     add_row(foot.link, 2, low - origin, weight, error);
     costs[kTermFootHeight] += weight * square(error);
   }

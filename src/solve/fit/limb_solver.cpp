@@ -82,9 +82,7 @@ double LimbSolver::cost(const TreeState& pose, const FrameGoals& goals) const {
     const Pose& world = pose.world_from_link[at(task.link)];
     const Vector3d error = world * task.position - target.position;
     cost += position_weights(task, goals).dot(error.cwiseAbs2());
-    if (task.rotation_weight > 0.0) {
-      cost += square(task.rotation_weight) * rotation_error(world, target).squaredNorm();
-    }
+    cost += rotation_term(task, goals, world, target).cost;
   }
   return cost;
 }
@@ -136,24 +134,22 @@ class LimbDescent {
 void LimbDescent::linearise() {
   hessian_.setZero(count(), count());
   gradient_.setZero(count());
-  std::array<Vector3d, kMaxLimbJoints> moves, turns;
+  std::array<Vector3d, kMaxLimbJoints> moves, rates;
   for (const std::size_t k : limb_.tasks) {
     const FitTask& task = model_.tasks[k];
     const Pose& world = pose_.world_from_link[at(task.link)];
     const Vector3d point = world * task.position;
     const Vector3d weights = position_weights(task, goals_);
-    const double turn_weight = square(task.rotation_weight);
+    const RotationTerm rotation = rotation_term(task, goals_, world, goals_.targets[k]);
     const Vector3d force = weights.cwiseProduct(point - goals_.targets[k].position);
-    Vector3d torque = Vector3d::Zero();
-    if (turn_weight > 0.0) torque = turn_weight * rotation_error(world, goals_.targets[k]);
     for (int i = 0; i < count() && model_.tree.carries(limb_.links[at(i)], task.link); ++i) {
       const int dof = KinematicTree::dof_of(limb_.links[at(i)]);
       moves[at(i)] = pose_.velocity_at(dof, point);
-      turns[at(i)] = pose_.angular[at(dof)];
-      gradient_[i] += moves[at(i)].dot(force) + turns[at(i)].dot(torque);
+      rates[at(i)] = pose_.angular[at(dof)];
+      gradient_[i] += moves[at(i)].dot(force) + rates[at(i)].dot(rotation.gradient);
       for (int j = 0; j <= i; ++j) {
         hessian_(i, j) += moves[at(i)].dot(weights.cwiseProduct(moves[at(j)])) +
-                          turn_weight * turns[at(i)].dot(turns[at(j)]);
+                          rates[at(i)].dot(rotation.hessian * rates[at(j)]);
       }
     }
   }
