@@ -12,6 +12,7 @@ namespace retarget {
 namespace {
 
 // A point of a sole that is farther from its ankle than this fraction of the leg's length is wrong.
+// In the included robots, the fraction is at most 0.45.
 constexpr double kFarthestPoint = 0.75;
 constexpr std::array<const char*, 2> kSoleSides = {"left", "right"};
 
