@@ -175,6 +175,16 @@ TEST_F(ProfileChecksTest, ErrorsOfFilesAreNotFollowedByWrongConclusions) {
   EXPECT_THAT(findings(true), ElementsAre(HasSubstr("robot.json:1:2"), HasSubstr("ik.json:1:")));
 }
 
+TEST_F(ProfileChecksTest, ErrorsOfTheModelEndTheCheck) {
+  folder_.write("mine/model.xml", "<mujoco>");
+  for (const bool has_profile : {true, false}) {
+    if (!has_profile) std::filesystem::remove(folder_.path() / "mine/robot.json");
+    const auto found = check_robot(find_robot_sources(robot(), RETARGET_SOURCE_DIR).value());
+    ASSERT_FALSE(found.has_value());
+    EXPECT_THAT(found.error().location.file, HasSubstr("model.xml"));
+  }
+}
+
 // The base is read from a profile that has other errors.
 TEST_F(ProfileChecksTest, FaultyProfilesMayFixTheBase) {
   std::string model = tiny_humanoid(true);

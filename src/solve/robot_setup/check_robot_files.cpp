@@ -126,6 +126,7 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
     return check_bare_model(sources, spelling);
   }
   const auto robot = load_robot_files(sources.model, sources.profile, sources.base);
+  if (!robot && sources.profile.empty()) return failure(robot.error());
   if (!robot) return check_without_profile(sources, robot.error(), spelling);
   std::vector<RobotFinding> findings;
   for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});
