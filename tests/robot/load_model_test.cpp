@@ -7,6 +7,8 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <thread>
 #include <vector>
@@ -194,6 +196,33 @@ TEST(LoadModelTest, RejectsNonFiniteNumbers) {
               HasSubstr("\"elbow\""));
   EXPECT_THAT(error_of(with("><joint name=\"elbow\" range=\"0 inf\"/>")).message,
               HasSubstr("elbow"));
+  EXPECT_THAT(error_of(with("><joint name=\"elbow\" range=\"nan 1\"/>")).message,
+              HasSubstr("elbow"));
+  EXPECT_THAT(error_of(with("><joint/><geom size=\"1\" mass=\"inf\"/>")).message,
+              HasSubstr("\"arm\""));
+  for (const char* inertial : {R"(pos="0 0 0" mass="inf" diaginertia="1 1 1")",
+                               R"(pos="0 0 0" mass="nan" diaginertia="1 1 1")",
+                               R"(pos="0 0 0" mass="1" diaginertia="1 inf 1")",
+                               R"(pos="0 0 0" mass="1" fullinertia="1 1 1 0 nan 0")",
+                               R"(pos="0 inf 0" mass="1" diaginertia="1 1 1")",
+                               R"(pos="nan 0 0" mass="1" diaginertia="1 1 1")"}) {
+    EXPECT_THAT(error_of(with(std::string("><inertial ") + inertial + "/>")).message,
+                HasSubstr("\"arm\""))
+        << inertial;
+  }
+}
+
+TEST(LoadModelTest, LimitsJointsWithARangeOfASinglePosition) {
+  const auto limits = [](const std::string& joint) {
+    const auto robot =
+        robot_from_text(world("<body><freejoint/><geom size=\"1\"/><body><joint name=\"elbow\" " +
+                              joint + "/><geom size=\"1\"/></body></body>"));
+    return std::array{robot->model_limits().lower[0], robot->model_limits().upper[0]};
+  };
+  EXPECT_EQ(limits("type=\"slide\" range=\"0.25 0.25\""), (std::array{0.25, 0.25}));
+  EXPECT_EQ(limits("type=\"slide\" range=\"0 0\""), (std::array<double, 2>{-INFINITY, INFINITY}));
+  EXPECT_EQ(limits("type=\"slide\" limited=\"false\" range=\"0.25 0.25\""),
+            (std::array<double, 2>{-INFINITY, INFINITY}));
 }
 
 TEST(LoadModelTest, RejectsReversedRanges) {

@@ -128,26 +128,48 @@ void add_references(const mjModel& model, std::map<std::string, JointCoupling>& 
   }
 }
 
-std::string negligible(const std::string& what, std::vector<std::string> bodies) {
+std::string quoted_list(std::vector<std::string> bodies) {
   for (std::string& body : bodies) body = "\"" + body + "\"";
-  return what + list_names(bodies, 4) + ": replaced by a negligible value";
+  return list_names(bodies, 4);
 }
 
-// Compiles the model. Replaces masses and inertias that MuJoCo rejects and adds a warning, because
+std::string negligible(const std::string& what, std::vector<std::string> bodies) {
+  return what + quoted_list(std::move(bodies)) + ": replaced by a negligible value";
+}
+
+// Adds warnings about masses and inertias that the compiled model does not have as given, because
 // they affect the dynamics metrics.
-ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
+void warn_of_inertials(mjSpec* spec, std::vector<std::string> repaired, LoadedModel& loaded) {
+  const auto warn = [&](const std::string& text) { loaded.warnings.push_back(text); };
+  if (!repaired.empty()) warn(negligible("invalid mass or inertia of ", std::move(repaired)));
+  if (auto bodies = bodies_without_inertia(spec); !bodies.empty()) {
+    warn(negligible("zero moments of inertia of ", std::move(bodies)));
+  }
+  if (auto bodies = balanced_bodies(spec, *loaded.model); !bodies.empty()) {
+    warn("impossible inertia of " + quoted_list(std::move(bodies)) +
+         ": the largest moment exceeds the sum of the others; replaced by their mean");
+  }
+  if (auto bodies = massless_bodies(spec, *loaded.model); !bodies.empty()) {
+    warn(negligible("no mass of the moving bodies ", std::move(bodies)));
+  }
+}
+
+// Compiles the model, with changed masses and inertias if MuJoCo rejects those given.
+// @param repaired  the bodies with changed masses or inertias, by name
+ModelPtr compile(mjSpec* spec, const MessageGuard& guard, std::vector<std::string>& repaired,
                  std::size_t& errors) {
+  repaired = repair_negative_inertials(spec);
   ModelPtr model(mj_compile(spec, nullptr));
   if (model) return model;
   const std::string said = mjs_getError(spec);
   if (said.find("inertia") == std::string::npos && said.find("mass") == std::string::npos) {
     return model;
   }
-  const std::vector<std::string> bodies = repair_inertias(spec);
-  if (bodies.empty()) return model;
+  const std::vector<std::string> degenerate = repair_degenerate_inertias(spec);
+  if (degenerate.empty()) return model;
+  repaired.insert(repaired.end(), degenerate.begin(), degenerate.end());
   errors = guard.errors().size();
   model.reset(mj_compile(spec, nullptr));
-  loaded.warnings.push_back(negligible("invalid mass or inertia of ", bodies));
   return model;
 }
 
@@ -191,17 +213,28 @@ bool all_finite(const mjtNum* values, int count) {
   return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
 }
 
+// Whether the bounds of a range are numbers: finite ones, or any if the range does not limit.
+bool has_numbers(const mjtNum* range, bool limits) {
+  return limits ? all_finite(range, 2) : !std::isnan(range[0]) && !std::isnan(range[1]);
+}
+
 Result<void> check_numbers(const mjModel& model, const std::string& path) {
   const std::string not_finite = " has a number that is not finite";
   for (int b = 0; b < model.nbody; ++b) {
-    if (!all_finite(model.body_pos + 3 * b, 3) || !all_finite(model.body_quat + 4 * b, 4)) {
+    const bool placed =
+        all_finite(model.body_pos + 3 * b, 3) && all_finite(model.body_quat + 4 * b, 4);
+    // The inertial may come from geoms.
+    const bool weighed = std::isfinite(model.body_mass[b]) &&
+                         all_finite(model.body_inertia + 3 * b, 3) &&
+                         all_finite(model.body_ipos + 3 * b, 3);
+    if (!placed || !weighed) {
       return config_failure(path, "the body " + quoted_name(model, mjOBJ_BODY, b) + not_finite);
     }
   }
   for (int j = 0; j < model.njnt; ++j) {
     const bool finite = all_finite(model.jnt_pos + 3 * j, 3) &&
                         all_finite(model.jnt_axis + 3 * j, 3) &&
-                        (model.jnt_limited[j] == 0 || all_finite(model.jnt_range + 2 * j, 2)) &&
+                        has_numbers(model.jnt_range + 2 * j, model.jnt_limited[j] != 0) &&
                         std::isfinite(model.qpos0[model.jnt_qposadr[j]]);
     if (!finite) {
       return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) + not_finite);
@@ -221,6 +254,19 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
     }
   }
   return {};
+}
+
+// MuJoCo ignores a range of a single position, which other readers accept as a locked joint. A range
+// from 0 to 0 means no range.
+void lock_single_positions(mjSpec* spec, mjModel& model) {
+  for (mjsElement* element : elements_of(spec, mjOBJ_JOINT)) {
+    const mjsJoint& joint = *mjs_asJoint(element);
+    const bool turns = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
+    const int index = mjs_getId(element);
+    if (!turns || joint.limited != mjLIMITED_AUTO || index < 0 || index >= model.njnt) continue;
+    const mjtNum* range = model.jnt_range + 2 * static_cast<std::ptrdiff_t>(index);
+    if (range[0] == range[1] && range[0] != 0.0) model.jnt_limited[index] = 1;
+  }
 }
 
 using MessageBuffer = std::array<char, 2000>;
@@ -308,14 +354,18 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
     loaded.held = hold_loose_balls(spec.get());
     float_base(spec.get(), loaded);
   }
+  if (const auto body = body_with_infinite_inertial(spec.get())) {
+    return config_failure(
+        path, "the mass or inertia of the body \"" + *body + "\" has a number that is not finite");
+  }
   std::size_t errors = 0;  // Number of errors that were repaired.
-  loaded.model = compile(spec.get(), guard, loaded, errors);
+  std::vector<std::string> repaired;
+  loaded.model = compile(spec.get(), guard, repaired, errors);
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
-  if (const auto bodies = massless_bodies(spec.get(), *loaded.model); !bodies.empty()) {
-    loaded.warnings.push_back(negligible("no mass of the moving bodies ", bodies));
-  }
+  lock_single_positions(spec.get(), *loaded.model);
+  warn_of_inertials(spec.get(), std::move(repaired), loaded);
   add_references(*loaded.model, loaded.couplings);
   // MuJoCo ignores <mimic> elements.
   for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);

@@ -48,10 +48,27 @@ class ModelRepair {
 /// Returns the elements of a kind, in order; elements may be deleted while iterating over the list.
 [[nodiscard]] std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind);
 
-/// Gives bodies whose masses MuJoCo rejects (negative, not finite, an inertia without positive
-/// principal moments: dummies, rods, export errors) small ones, which do not affect kinematics.
+/// Gives bodies with a negative mass or moment of inertia small ones, which do not affect
+/// kinematics. MuJoCo would reject them, or replace them without a message.
 /// @return the names of those bodies.
-std::vector<std::string> repair_inertias(mjSpec* spec);
+std::vector<std::string> repair_negative_inertials(mjSpec* spec);
+
+/// Gives bodies with an inertia matrix that MuJoCo rejects (without three positive principal
+/// moments: dummies, rods, export errors) a small one.
+/// @return the names of those bodies.
+std::vector<std::string> repair_degenerate_inertias(mjSpec* spec);
+
+/// Returns the first body whose given mass, inertia or centre of mass is not finite.
+[[nodiscard]] std::optional<std::string> body_with_infinite_inertial(mjSpec* spec);
+
+/// Returns the bodies with a mass and a zero moment of inertia, which MuJoCo raises to the
+/// compiler's smallest.
+[[nodiscard]] std::vector<std::string> bodies_without_inertia(mjSpec* spec);
+
+/// Returns the bodies whose moments of inertia no body can have: the largest exceeds the sum of the
+/// others. MuJoCo replaces all three by their mean.
+/// @param model  the compiled spec.
+[[nodiscard]] std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model);
 
 /// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them,
 /// for which the model has the compiler's smallest mass. Meshes that were deleted have no mass.

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <span>
 
 #include "robot/model/model_values.h"
 
@@ -42,25 +43,58 @@ mjsBody* only_child(mjsBody* body) {
   return mjs_asBody(first);
 }
 
-bool is_sound(const mjsBody& body) {
-  if (!std::isfinite(body.mass) || body.mass < 0.0) return false;
-  const auto finite = [](const double* values, int count) {
-    return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
-  };
-  if (!finite(body.inertia, 3) ||
-      std::ranges::any_of(body.inertia, [](double v) { return v < 0; })) {
+bool are_finite(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
+}
+
+// MuJoCo marks numbers that the model does not give with NaN.
+bool is_given(std::span<const double> values) {
+  return !std::isnan(values.front());
+}
+
+bool has_finite_inertial(const mjsBody& body) {
+  if (!std::isfinite(body.mass) || !are_finite(body.inertia) || !are_finite(body.iquat)) {
     return false;
   }
+  const bool has_place = is_given(body.ipos) || body.explicitinertial != 0;
+  return (!has_place || are_finite(body.ipos)) &&
+         (!is_given(body.fullinertia) || are_finite(body.fullinertia));
+}
+
+// Returns the moments of inertia that a model gives, in any order.
+Eigen::Vector3d principal_moments(const mjsBody& body) {
   const double* full = body.fullinertia;
-  // NaN means that no full inertia is given.
-  if (std::isnan(full[0])) return true;
-  if (!finite(full, 6)) return false;
+  if (!is_given(body.fullinertia)) return Eigen::Vector3d(body.inertia);
   Eigen::Matrix3d inertia;
   inertia << full[0], full[3], full[4], full[3], full[1], full[5], full[4], full[5], full[2];
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues();
+}
+
+bool has_negative_inertial(const mjsBody& body) {
+  return body.mass < 0.0 || principal_moments(body).minCoeff() < 0.0;
+}
+
+// MuJoCo rejects inertia matrices without three positive moments, but can raise a zero matrix to
+// its minimum.
+bool has_degenerate_inertia(const mjsBody& body) {
   constexpr double kLeast = 1e-12;  // Above MuJoCo's threshold for zero.
-  // MuJoCo can raise a zero inertia to its minimum.
-  if (inertia.norm() < kLeast) return true;
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues().minCoeff() > kLeast;
+  const Eigen::Vector3d moments = principal_moments(body);
+  return is_given(body.fullinertia) && moments.norm() >= kLeast && moments.minCoeff() <= kLeast;
+}
+
+template <typename Predicate>
+std::vector<std::string> replace_inertials(mjSpec* spec, Predicate is_faulty) {
+  constexpr double kSmall = 1e-6;
+  std::vector<std::string> replaced;
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    mjsBody& body = *mjs_asBody(element);
+    if (!is_faulty(body)) continue;
+    replaced.push_back(element_name(element));
+    if (body.mass < 0.0) body.mass = kSmall;
+    std::ranges::fill(body.fullinertia, std::numeric_limits<double>::quiet_NaN());
+    std::ranges::fill(body.inertia, kSmall);
+  }
+  return replaced;
 }
 
 std::optional<std::string> body_named(mjSpec* spec, mjtObj kind, const std::string& name) {
@@ -81,18 +115,45 @@ std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind) {
   return elements;
 }
 
-std::vector<std::string> repair_inertias(mjSpec* spec) {
-  constexpr double kSmall = 1e-6;
-  std::vector<std::string> repaired;
+std::vector<std::string> repair_negative_inertials(mjSpec* spec) {
+  return replace_inertials(spec, has_negative_inertial);
+}
+
+std::vector<std::string> repair_degenerate_inertias(mjSpec* spec) {
+  return replace_inertials(spec, has_degenerate_inertia);
+}
+
+std::optional<std::string> body_with_infinite_inertial(mjSpec* spec) {
   for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
-    mjsBody& body = *mjs_asBody(element);
-    if (is_sound(body)) continue;
-    repaired.push_back(element_name(element));
-    if (!std::isfinite(body.mass) || body.mass < 0.0) body.mass = kSmall;
-    std::ranges::fill(body.fullinertia, std::numeric_limits<double>::quiet_NaN());
-    std::ranges::fill(body.inertia, kSmall);
+    if (!has_finite_inertial(*mjs_asBody(element))) return element_name(element);
   }
-  return repaired;
+  return std::nullopt;
+}
+
+std::vector<std::string> bodies_without_inertia(mjSpec* spec) {
+  std::vector<std::string> names;
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    const mjsBody& body = *mjs_asBody(element);
+    if (body.mass > 0.0 && principal_moments(body).minCoeff() <= 0.0) {
+      names.push_back(element_name(element));
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model) {
+  constexpr double kChanged = 1e-6;  // Fraction of the largest moment.
+  std::vector<std::string> names;
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    const mjsBody& body = *mjs_asBody(element);
+    const int index = mjs_getId(element);
+    if (index <= 0 || index >= model.nbody || !(body.mass > 0.0)) continue;
+    const Eigen::Vector3d given = principal_moments(body);
+    const double most = given.maxCoeff();
+    const Eigen::Vector3d used = vector_at(model.body_inertia, index);
+    if (most - used.maxCoeff() > kChanged * most) names.push_back(element_name(element));
+  }
+  return names;
 }
 
 std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
