@@ -223,6 +223,19 @@ TEST(LoadModelTest, LimitsJointsWithARangeOfASinglePosition) {
   EXPECT_EQ(limits("type=\"slide\" range=\"0 0\""), (std::array<double, 2>{-INFINITY, INFINITY}));
   EXPECT_EQ(limits("type=\"slide\" limited=\"false\" range=\"0.25 0.25\""),
             (std::array<double, 2>{-INFINITY, INFINITY}));
+  const TemporaryFolder folder;
+  const std::string link =
+      "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" "
+      "iyz=\"0\"/></inertial></link>";
+  const auto urdf = load_robot_files(
+      folder.write("robot.urdf",
+                   "<robot name=\"r\"><link name=\"a\">" + link + "<link name=\"b\">" + link +
+                       "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
+                       "<limit lower=\"0.3\" upper=\"0.3\"/></joint></robot>"),
+      {}, RobotBase::kFixed);
+  ASSERT_TRUE(urdf) << describe(urdf.error());
+  EXPECT_EQ((*urdf)->model_limits().upper[0], 0.3);
+  EXPECT_THAT((*urdf)->warnings(), IsEmpty());
 }
 
 TEST(LoadModelTest, RejectsReversedRanges) {

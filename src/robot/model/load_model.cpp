@@ -128,32 +128,6 @@ void add_references(const mjModel& model, std::map<std::string, JointCoupling>& 
   }
 }
 
-std::string quoted_list(std::vector<std::string> bodies) {
-  for (std::string& body : bodies) body = "\"" + body + "\"";
-  return list_names(bodies, 4);
-}
-
-std::string negligible(const std::string& what, std::vector<std::string> bodies) {
-  return what + quoted_list(std::move(bodies)) + ": replaced by a negligible value";
-}
-
-// Adds warnings about masses and inertias that the compiled model does not have as given, because
-// they affect the dynamics metrics.
-void warn_of_inertials(mjSpec* spec, std::vector<std::string> repaired, LoadedModel& loaded) {
-  const auto warn = [&](const std::string& text) { loaded.warnings.push_back(text); };
-  if (!repaired.empty()) warn(negligible("invalid mass or inertia of ", std::move(repaired)));
-  if (auto bodies = bodies_without_inertia(spec); !bodies.empty()) {
-    warn(negligible("zero moments of inertia of ", std::move(bodies)));
-  }
-  if (auto bodies = balanced_bodies(spec, *loaded.model); !bodies.empty()) {
-    warn("impossible inertia of " + quoted_list(std::move(bodies)) +
-         ": the largest moment exceeds the sum of the others; replaced by their mean");
-  }
-  if (auto bodies = massless_bodies(spec, *loaded.model); !bodies.empty()) {
-    warn(negligible("no mass of the moving bodies ", std::move(bodies)));
-  }
-}
-
 // Compiles the model, with changed masses and inertias if MuJoCo rejects those given.
 // @param repaired  the bodies with changed masses or inertias, by name
 ModelPtr compile(mjSpec* spec, const MessageGuard& guard, std::vector<std::string>& repaired,
@@ -256,19 +230,6 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
   return {};
 }
 
-// MuJoCo ignores a range of a single position, which other readers accept as a locked joint. A range
-// from 0 to 0 means no range.
-void lock_single_positions(mjSpec* spec, mjModel& model) {
-  for (mjsElement* element : elements_of(spec, mjOBJ_JOINT)) {
-    const mjsJoint& joint = *mjs_asJoint(element);
-    const bool turns = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
-    const int index = mjs_getId(element);
-    if (!turns || joint.limited != mjLIMITED_AUTO || index < 0 || index >= model.njnt) continue;
-    const mjtNum* range = model.jnt_range + 2 * static_cast<std::ptrdiff_t>(index);
-    if (range[0] == range[1] && range[0] != 0.0) model.jnt_limited[index] = 1;
-  }
-}
-
 using MessageBuffer = std::array<char, 2000>;
 
 // Reads a changed text of the file at `path`, whose assets are relative to its folder.
@@ -364,8 +325,10 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
-  lock_single_positions(spec.get(), *loaded.model);
-  warn_of_inertials(spec.get(), std::move(repaired), loaded);
+  const bool is_urdf = std::filesystem::path(path).extension() == ".urdf";
+  const auto locked = lock_single_positions(spec.get(), *loaded.model, is_urdf);
+  const auto notes = notes_about_inertials(spec.get(), *loaded.model, repaired);
+  loaded.warnings.insert(loaded.warnings.end(), notes.begin(), notes.end());
   add_references(*loaded.model, loaded.couplings);
   // MuJoCo ignores <mimic> elements.
   for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);
@@ -376,6 +339,10 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
       mjs_isWarning(spec.get()) != 0 ? one_line(mjs_getError(spec.get())) : std::string();
   if (!warning.empty() && std::ranges::find(loaded.warnings, warning) == loaded.warnings.end()) {
     loaded.warnings.push_back(warning);
+  }
+  for (const std::string& joint : locked) {
+    std::erase(loaded.warnings,
+               "joint '" + joint + "' has equal lower and upper limits, limit ignored");
   }
   return loaded;
 }

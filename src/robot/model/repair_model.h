@@ -61,19 +61,19 @@ std::vector<std::string> repair_degenerate_inertias(mjSpec* spec);
 /// Returns the first body whose given mass, inertia or centre of mass is not finite.
 [[nodiscard]] std::optional<std::string> body_with_infinite_inertial(mjSpec* spec);
 
-/// Returns the bodies with a mass and a zero moment of inertia, which MuJoCo raises to the
-/// compiler's smallest.
-[[nodiscard]] std::vector<std::string> bodies_without_inertia(mjSpec* spec);
-
-/// Returns the bodies whose moments of inertia no body can have: the largest exceeds the sum of the
-/// others. MuJoCo replaces all three by their mean.
+/// Returns notes about masses and inertias that a compiled model does not have as given, because they
+/// affect the dynamics metrics: repaired ones, zero and impossible inertias, which MuJoCo replaces
+/// without a message, and moving bodies without a mass (neither their own nor that of a body fixed
+/// to them).
 /// @param model  the compiled spec.
-[[nodiscard]] std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model);
+/// @param repaired  bodies with invalid masses or inertias, by name.
+[[nodiscard]] std::vector<std::string> notes_about_inertials(
+    mjSpec* spec, const mjModel& model, const std::vector<std::string>& repaired);
 
-/// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them,
-/// for which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
+/// Limits joints whose range is a single position other than 0 to it. MuJoCo leaves them unlimited.
 /// @param model  the compiled spec.
-[[nodiscard]] std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model);
+/// @return the names of the joints.
+std::vector<std::string> lock_single_positions(mjSpec* spec, mjModel& model, bool is_urdf);
 
 /// Removes the joints that move a model's root through the world, if one of them is a slide: those
 /// of the topmost body and of the unbranched chain below it. The robot is the subtree with the most

@@ -9,6 +9,7 @@
 #include <map>
 #include <span>
 
+#include "retarget/text.h"
 #include "robot/model/model_values.h"
 
 namespace retarget {
@@ -130,6 +131,10 @@ std::optional<std::string> body_with_infinite_inertial(mjSpec* spec) {
   return std::nullopt;
 }
 
+namespace {
+
+// Returns the bodies with a mass and a zero moment of inertia, which MuJoCo raises to the compiler's
+// smallest.
 std::vector<std::string> bodies_without_inertia(mjSpec* spec) {
   std::vector<std::string> names;
   for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
@@ -141,6 +146,8 @@ std::vector<std::string> bodies_without_inertia(mjSpec* spec) {
   return names;
 }
 
+// Returns the bodies whose moments of inertia no body can have: the largest exceeds the sum of the
+// others. MuJoCo replaces all three by their mean.
 std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model) {
   constexpr double kChanged = 1e-6;  // Fraction of the largest moment.
   std::vector<std::string> names;
@@ -156,6 +163,8 @@ std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model) {
   return names;
 }
 
+// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them, for
+// which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
 std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
   const double least = spec->compiler.boundmass;
   std::vector<char> has_mass(static_cast<std::size_t>(model.nbody));
@@ -177,6 +186,46 @@ std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
     }
   }
   return names;
+}
+
+std::string quoted_list(std::vector<std::string> bodies) {
+  for (std::string& body : bodies) body = "\"" + body + "\"";
+  return list_names(bodies, 4);
+}
+
+}  // namespace
+
+std::vector<std::string> notes_about_inertials(mjSpec* spec, const mjModel& model,
+                                               const std::vector<std::string>& repaired) {
+  std::vector<std::string> notes;
+  const auto add = [&](const std::vector<std::string>& bodies, const std::string& fault,
+                       const std::string& remedy) {
+    if (!bodies.empty()) notes.push_back(fault + quoted_list(bodies) + ": " + remedy);
+  };
+  const std::string negligible = "replaced by a negligible value";
+  add(repaired, "invalid mass or inertia of ", negligible);
+  add(bodies_without_inertia(spec), "zero moments of inertia of ", negligible);
+  add(balanced_bodies(spec, model), "impossible inertia of ",
+      "the largest moment exceeds the sum of the others; replaced by their mean");
+  add(massless_bodies(spec, model), "no mass of the moving bodies ", negligible);
+  return notes;
+}
+
+std::vector<std::string> lock_single_positions(mjSpec* spec, mjModel& model, bool is_urdf) {
+  std::vector<std::string> locked;
+  for (mjsElement* element : elements_of(spec, mjOBJ_JOINT)) {
+    const mjsJoint& joint = *mjs_asJoint(element);
+    const bool turns = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
+    const int index = mjs_getId(element);
+    if (!turns || index < 0 || index >= model.njnt) continue;
+    // MuJoCo's reader of URDF turns such a limit off.
+    const bool may_limit = joint.limited == mjLIMITED_AUTO || is_urdf;
+    const mjtNum* range = model.jnt_range + 2 * static_cast<std::ptrdiff_t>(index);
+    if (!may_limit || range[0] != range[1] || range[0] == 0.0) continue;
+    model.jnt_limited[index] = 1;
+    locked.push_back(element_name(element));
+  }
+  return locked;
 }
 
 mjsBody* robot_base(mjSpec* spec) {
