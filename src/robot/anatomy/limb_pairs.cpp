@@ -160,9 +160,9 @@ bool PairFinder::turns_beyond_shoulder(const LimbShape& arm) const {
   return false;
 }
 
-// Returns true if the middle joint is not an elbow: it is named as another joint and the part that it
-// bends is short or of unknown length, or this part is of unknown length and the upper arm contains
-// joints of a forearm.
+// Returns true if the middle joint is not an elbow: it is named as another joint and the part that
+// it bends is short or of unknown length, or this part is of unknown length and the upper arm
+// contains joints of a forearm.
 bool PairFinder::is_wrist(const LimbShape& arm) const {
   constexpr double kShort = 0.4;
   const double upper = (arm.bend - arm.root).norm(), lower = (arm.end - arm.bend).norm();

@@ -106,7 +106,8 @@ struct MiddleJoint {
 /// cannot aim the limb; for a small joint range; and for a segment with almost no mass.
 [[nodiscard]] double plausibility(const Robot& robot, const MiddleJoint& middle);
 
-/// Classifies a name of a joint or body: +1 a knee or elbow, -1 another part of the limb, 0 unknown.
+/// Classifies a joint or body by its name: +1 a knee or elbow, -1 another part of the limb, 0
+/// unknown.
 [[nodiscard]] int middle_vote_of_name(const std::string& any_case, bool is_leg);
 
 /// Classifies a joint by its name and its body's name, likewise.
@@ -120,9 +121,8 @@ struct LimbNames {
 
 /// Observations in the zero configuration.
 struct ZeroPose {
-  double lean = 0.0;  ///< Lean of the line from hips to shoulders, degrees.
-  double foot_tilt =
-      0.0;  ///< Largest angle between the underside of a foot and the floor, degrees.
+  double lean = 0.0;       ///< Lean of the line from hips to shoulders, degrees.
+  double foot_tilt = 0.0;  ///< Largest angle between a foot's underside and the floor, degrees.
   std::optional<int> toe;  ///< Joint excluded at the end of the left leg, if any.
 };
 

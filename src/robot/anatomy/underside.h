@@ -33,7 +33,7 @@ inline constexpr double kLeastSole = 0.05;
 /// @param balls  in any frame.
 /// @param axes  unit vectors forward, up and right, as columns, in the same frame.
 /// @param leg_length  metres.
-/// @return rotation in the frame of the balls that turns the up axis to the normal of the underside.
+/// @return rotation in the frame of the balls that turns the up axis to the underside's normal.
 [[nodiscard]] Eigen::Quaterniond foot_tilt(std::vector<FootBall> balls, const Eigen::Matrix3d& axes,
                                            double leg_length);
 

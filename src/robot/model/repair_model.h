@@ -61,10 +61,10 @@ std::vector<std::string> repair_degenerate_inertias(mjSpec* spec);
 /// Returns the first body whose given mass, inertia or centre of mass is not finite.
 [[nodiscard]] std::optional<std::string> body_with_infinite_inertial(mjSpec* spec);
 
-/// Returns notes about masses and inertias that a compiled model does not have as given, because they
-/// affect the dynamics metrics: repaired ones, zero and impossible inertias, which MuJoCo replaces
-/// without a message, and moving bodies without a mass (neither their own nor that of a body fixed
-/// to them).
+/// Returns notes about masses and inertias that a compiled model does not have as given, because
+/// they affect the dynamics metrics: repaired ones, zero and impossible inertias, which MuJoCo
+/// replaces without a message, and moving bodies without a mass (neither their own nor that of a
+/// body fixed to them).
 /// @param model  the compiled spec.
 /// @param repaired  bodies with invalid masses or inertias, by name.
 [[nodiscard]] std::vector<std::string> notes_about_inertials(

@@ -133,38 +133,43 @@ std::optional<std::string> body_with_infinite_inertial(mjSpec* spec) {
 
 namespace {
 
-// Returns the bodies with a mass and a zero moment of inertia, which MuJoCo raises to the compiler's
-// smallest.
-std::vector<std::string> bodies_without_inertia(mjSpec* spec) {
-  std::vector<std::string> names;
+// Calls visit(name, given moments of inertia, those of the compiled model) for bodies with a mass.
+template <typename Visit>
+void visit_moments(mjSpec* spec, const mjModel& model, Visit visit) {
   for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
     const mjsBody& body = *mjs_asBody(element);
-    if (body.mass > 0.0 && principal_moments(body).minCoeff() <= 0.0) {
-      names.push_back(element_name(element));
-    }
+    const int index = mjs_getId(element);
+    if (index <= 0 || index >= model.nbody || !(body.mass > 0.0)) continue;
+    visit(element_name(element), principal_moments(body), vector_at(model.body_inertia, index));
   }
+}
+
+// Returns the bodies with a mass and a zero moment of inertia, which MuJoCo raises to the
+// compiler's smallest.
+std::vector<std::string> bodies_without_inertia(mjSpec* spec, const mjModel& model) {
+  const double least = spec->compiler.boundinertia;
+  std::vector<std::string> names;
+  visit_moments(spec, model, [&](const std::string& name, const auto& given, const auto& used) {
+    if (given.minCoeff() <= 0.0 && used.minCoeff() <= least) names.push_back(name);
+  });
   return names;
 }
 
 // Returns the bodies whose moments of inertia no body can have: the largest exceeds the sum of the
 // others. MuJoCo replaces all three by their mean.
 std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model) {
-  constexpr double kChanged = 1e-6;  // Fraction of the largest moment.
+  constexpr double kEqual = 1e-6;  // Fraction of the largest moment.
   std::vector<std::string> names;
-  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
-    const mjsBody& body = *mjs_asBody(element);
-    const int index = mjs_getId(element);
-    if (index <= 0 || index >= model.nbody || !(body.mass > 0.0)) continue;
-    const Eigen::Vector3d given = principal_moments(body);
-    const double most = given.maxCoeff();
-    const Eigen::Vector3d used = vector_at(model.body_inertia, index);
-    if (most - used.maxCoeff() > kChanged * most) names.push_back(element_name(element));
-  }
+  visit_moments(spec, model, [&](const std::string& name, const auto& given, const auto& used) {
+    const bool is_impossible = 2.0 * given.maxCoeff() > given.sum() && given.minCoeff() > 0.0;
+    const bool is_balanced = used.maxCoeff() - used.minCoeff() <= kEqual * used.maxCoeff();
+    if (is_impossible && is_balanced) names.push_back(name);
+  });
   return names;
 }
 
-// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them, for
-// which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
+// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them,
+// for which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
 std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
   const double least = spec->compiler.boundmass;
   std::vector<char> has_mass(static_cast<std::size_t>(model.nbody));
@@ -204,7 +209,7 @@ std::vector<std::string> notes_about_inertials(mjSpec* spec, const mjModel& mode
   };
   const std::string negligible = "replaced by a negligible value";
   add(repaired, "invalid mass or inertia of ", negligible);
-  add(bodies_without_inertia(spec), "zero moments of inertia of ", negligible);
+  add(bodies_without_inertia(spec, model), "zero moments of inertia of ", negligible);
   add(balanced_bodies(spec, model), "impossible inertia of ",
       "the largest moment exceeds the sum of the others; replaced by their mean");
   add(massless_bodies(spec, model), "no mass of the moving bodies ", negligible);
