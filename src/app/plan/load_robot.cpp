@@ -36,8 +36,8 @@ Result<void> check_model_file(const std::string& path) {
 
 void warn_of_guessed_soles(LoadedRobot& loaded) {
   loaded.warnings.push_back({0, 0,
-                             "the model does not define the soles; they are estimated from the leg "
-                             "lengths, and feet may float or sink by centimetres"});
+                             "the soles are estimated from the leg lengths, so feet may float or "
+                             "sink by centimetres"});
 }
 
 // Infers soles from the model, because feet with unknown soles float or sink.
