@@ -307,7 +307,8 @@ class EvaluateCommand(ToolTest):
         few = self.write("few.json", '{"iterations": 1, "extra_iterations": 0}')
         for options, converged in (((), True), (("--fit-config", few), False)):
             with self.subTest(options):
-                result = self.retarget("--report", "run.json", "--sidecar", *options)
+                result = self.retarget("--report", "run.json", "--sidecar", *options,
+                                       bvh=tool.sample("turn_in_place"))
                 self.assert_done(result)
                 self.assertEqual("not converged after 1 step" in result.stderr, not converged)
                 motion, = json.loads((self.folder / "run.json").read_text())["motions"]
