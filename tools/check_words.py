@@ -96,10 +96,11 @@ class Pattern:
     """One entry of tools/words.txt: the pattern, its replacement, an example of both.
 
     The words are a regular expression over lower-case text. A space matches any white space,
-    "^" the beginning of a sentence; only whole words match."""
+    "^" the beginning of a sentence; only whole words match. `pages_only`: only Markdown is checked."""
 
-    def __init__(self, words, hint, bad, good):
+    def __init__(self, words, hint, bad, good, pages_only=False):
         self.words, self.hint, self.bad, self.good = words, hint, bad, good
+        self.pages_only = pages_only
         self.starts_sentence = words.startswith("^")
         # A leading \b would be slow: find() tests it instead.
         self.regex = re.compile(words.lstrip("^").replace(" ?", r"\s*").replace(" ", r"\s+")
@@ -116,18 +117,23 @@ class Pattern:
 
 
 def read_patterns(path=PATTERNS):
-    """The patterns of a file of "avoid", "write", "bad" and "good" lines, in blocks of four."""
-    patterns, block = [], {}
+    """The patterns of a file of "avoid", "write", "bad" and "good" lines, in blocks of four.
+
+    "avoid in pages" begins a pattern that is only for Markdown."""
+    patterns, block, pages_only = [], {}, False
     for number, line in enumerate(path.read_text().splitlines(), 1):
         if not line.strip() or line.startswith("#"):
             continue
         key, _, value = line.partition(":")
         expected = ("avoid", "write", "bad", "good")[len(block)]
+        if not block:
+            pages_only = key == "avoid in pages"
+            key = "avoid" if pages_only else key
         if key != expected or not value.strip():
             raise ValueError(f"{path.name}:{number}: expected \"{expected}: ...\"")
         block[key] = value.strip()
         if len(block) == 4:
-            patterns.append(Pattern(*block.values()))
+            patterns.append(Pattern(*block.values(), pages_only))
             block = {}
     if block:
         raise ValueError(f"{path.name}: the last entry is incomplete")
@@ -204,7 +210,8 @@ def check_text(name, text, kind, patterns):
     """All hits in one text, in order, overlapping ones once."""
     checked, places = prose(text, kind)
     spans = sorted((start, -end, pattern.hint)
-                   for pattern in patterns for start, end in pattern.find(checked))
+                   for pattern in patterns if kind == "markdown" or not pattern.pages_only
+                   for start, end in pattern.find(checked))
     if not spans:
         return []
     line_starts = [0] + [match.end() for match in re.finditer("\n", text)]

@@ -12,6 +12,11 @@ preset=quick
 case "${1-}" in
   "") ;;
   --all) preset=demo ;;
+  -h | --help)
+    # The comment at the top of this file, without the line of the interpreter.
+    sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
+    exit 0
+    ;;
   *)
     echo "error: unknown argument \"$1\"" >&2
     echo "  hint: tools/demo.sh, or tools/demo.sh --all for all commands" >&2

@@ -49,7 +49,7 @@ def main(bvh: str, robot: str, folder: Path) -> None:
 
     stem = folder / Path(bvh).stem
     motion.save(f"{stem}.csv")
-    # A tracking NPZ has 50 fps: solving at this rate is better than interpolating the motion of 30 fps.
+    # A tracking NPZ runs at 50 fps: solving at this rate is better than interpolating the motion of 30 fps.
     for_training = retarget.to_robot(clip, robot, format="npz-mjlab")
     for_training.save(f"{stem}.npz", format="npz-mjlab")
     if not plot_joints(motion, Path(f"{stem}.png")):

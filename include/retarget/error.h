@@ -99,6 +99,11 @@ using OptionSpelling = std::string (*)(std::string_view name);
 /// The message of an error with its details, options not spelled out.
 [[nodiscard]] std::string full_message(const Error& error);
 
+/// `file:line:column: message`, details and hint as those of describe(); no final newline. Unknown
+/// parts are omitted.
+[[nodiscard]] std::string located_message(const Error& error,
+                                          OptionSpelling spelling = option_as_field);
+
 /// `file:line:column: error: message`, details as `\n  - detail` and, where there is one,
 /// `\n  hint: ...`; no final newline. Unknown parts are omitted.
 [[nodiscard]] std::string describe(const Error& error, OptionSpelling spelling = option_as_field);

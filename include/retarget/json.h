@@ -15,10 +15,10 @@
 // need nlohmann-json 3.10 or later; no other header does.
 namespace RETARGET_API retarget {
 
-/// Parses JSON. Members keep their order; of duplicate keys the last one wins.
+/// Parses JSON. Members keep their order.
 ///
-/// Returns kConfig errors with line and column for syntax errors, for numbers beyond the range of
-/// double, and for text that would take too much time or memory to parse:
+/// Returns kConfig errors with line and column for syntax errors, for a key that occurs twice in an
+/// object, for numbers beyond the range of double, and for text that would take too much time or memory to parse:
 /// lists or objects nested more than 100 deep, objects with more than 2,000 members, more than
 /// 200,000 members in total, and more than 16 MiB of text.
 [[nodiscard]] Result<nlohmann::ordered_json> parse_json(std::string_view text,

@@ -66,15 +66,18 @@ struct RobotFinding {
 
 /// Checks a robot, its profile and its configurations. Lists errors first, then notes.
 ///
-/// Error findings: files that cannot be read; unknown bodies and bones in a retargeting
+/// Error findings: files with errors, with line and column; findings that depend on such a file are
+/// omitted. A sole for only one of two feet, soles that are not at the foot of their side, variants
+/// that lock a joint outside its range; unknown bodies and bones in a retargeting
 /// configuration; rotation offsets with a T-pose error above 75 degrees; feet more than a quarter
 /// of the leg length out of reach; no legs or arms; robots that make_robot() rejects. A model
 /// without profile and configuration is read as in make_robot().
 ///
 /// Notes: joints without a range; rotation offsets with an error above 8 degrees; targets slightly
 /// out of reach; joints that no task moves; differences between left and right (weights, scales,
-/// offsets, ranges); limit sets narrower than the model's ranges; joints without a speed limit;
-/// missing soles or T-pose.
+/// offsets, ranges); limit sets narrower, much wider than the model's ranges or apart from them;
+/// joints without a speed limit; missing soles or T-pose; T-pose positions outside the ranges;
+/// couplings without effect.
 /// @return a kConfig error if the model cannot be loaded.
 [[nodiscard]] Result<std::vector<RobotFinding>> check_robot(
     const RobotSources& robot, OptionSpelling spelling = option_as_field);

@@ -100,7 +100,7 @@ struct FitReport {
   FitStatus status;                ///< Summary over the whole clip.
   std::vector<FitStatus> windows;  ///< Windows in order, then the seams between them.
   std::vector<SolverFailure> failures;
-  /// Messages: omitted terms with the reason, missing convergence, recovered limbs, moved objects.
+  /// Messages: omitted terms with the reason, recovered limbs, moved objects.
   std::vector<std::string> notes;
 };
 

@@ -51,7 +51,7 @@ enum class TextForm : unsigned char { kPlain, kJson };
 [[nodiscard]] Result<std::string> describe_robot(const RobotSources& robot, TextForm form);
 
 /// One line per robot: name, number of joints, height, description, whether its maker states a
-/// licence, and whether it is installed.
+/// licence, and whether it is installed. For a robot that cannot be loaded, its error.
 [[nodiscard]] Result<std::string> describe_robots(std::span<const RobotSources> robots,
                                                   TextForm form);
 

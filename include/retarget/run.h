@@ -52,7 +52,7 @@ struct WrittenFile {
 /// extension, or with one of no known kind of file, is allowed.
 /// @param endings  extensions of this kind, in lower case.
 /// @param kind     for the message: `a BVH file`.
-/// Errors (kUsage): the extension of another kind of file; the hint names the first of `endings`.
+/// Errors (kUsage): the extension of another kind of file; the hint lists `endings`.
 [[nodiscard]] Result<void> check_output_ending(const std::string& path,
                                                std::initializer_list<std::string_view> endings,
                                                const std::string& kind);

@@ -118,7 +118,7 @@ class RobotFacts:
     description: str
     installed: bool
     joints: int | None
-    """Number of output columns; None: not installed."""
+    """Number of output columns; None: not installed, or it cannot be loaded."""
     height: float | None
     """Metres, from the soles to the highest point; None: unknown."""
     has_configuration: bool
@@ -130,6 +130,8 @@ class RobotFacts:
     """Revision of the source; None: not recorded, or not installed."""
     revision_date: str | None = None
     """Date of the revision, YYYY-MM-DD; None: as `revision`."""
+    error: str | None = None
+    """Why an installed robot cannot be loaded; None: it can, or it is not installed."""
 
 
 def robots(*, data_dir: StrPath | None = None) -> list[RobotFacts]:
@@ -146,7 +148,8 @@ def robots(*, data_dir: StrPath | None = None) -> list[RobotFacts]:
                        height=each.get("height_m"), has_configuration=each.get("mapping", False),
                        licence=each.get("licence", ""),
                        licence_stated=each.get("licence_stated", False),
-                       revision=each.get("revision"), revision_date=each.get("revision_date"))
+                       revision=each.get("revision"), revision_date=each.get("revision_date"),
+                       error=each.get("error"))
             for each in json.loads(_retarget.robots_json(data_dir))]
 
 

@@ -92,7 +92,7 @@ class LiveSession:
         return self._due(moment, now)
 
     def pull(self, *, now: float | None = None) -> list[RobotFrame]:
-        """Returns the robot frames that are due, also if no human frame arrived.
+        """Returns the robot frames that are due, even if no human frame arrived.
 
         Args:
             now: as for push().

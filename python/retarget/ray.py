@@ -67,7 +67,7 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
 
     Errors of single clips do not stop it; the manifest records them (read_manifest()). A clip whose
     process ends is tried again, alone, and fails after `most_tries`. So does a clip whose worker or
-    machine ends; tries are counted across calls, also if this process is killed. Ctrl-C leaves a
+    machine ends; tries are counted across calls, even if this process is killed. Ctrl-C leaves a
     folder that the same call continues.
 
     Args:

@@ -21,6 +21,14 @@ std::string place(std::string_view file, std::size_t line, std::size_t column) {
   return text;
 }
 
+// @param kind  text in front of the message
+std::string text_of_error(const Error& error, const char* kind, OptionSpelling spelling) {
+  const Location& at = error.location;
+  std::string text = place(at.file, at.line, at.column) + kind + full_message(error);
+  if (!error.hint.empty()) text += "\n  hint: " + error.hint;
+  return spell_options(text, spelling);
+}
+
 }  // namespace
 
 Failure input_failure(std::string file, std::string message, std::string hint) {
@@ -73,11 +81,12 @@ std::string full_message(const Error& error) {
   return text;
 }
 
+std::string located_message(const Error& error, OptionSpelling spelling) {
+  return text_of_error(error, "", spelling);
+}
+
 std::string describe(const Error& error, OptionSpelling spelling) {
-  const Location& at = error.location;
-  std::string text = place(at.file, at.line, at.column) + "error: " + full_message(error);
-  if (!error.hint.empty()) text += "\n  hint: " + error.hint;
-  return spell_options(text, spelling);
+  return text_of_error(error, "error: ", spelling);
 }
 
 std::string describe(const Warning& warning, std::string_view file, OptionSpelling spelling) {

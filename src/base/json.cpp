@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <unordered_set>
 
 #include "base/json.h"
 #include "base/try.h"
@@ -95,6 +96,39 @@ std::optional<Excess> excess_of(std::string_view text) {
   return std::nullopt;
 }
 
+struct RepeatedKey {
+  std::size_t offset;
+  std::string key;
+};
+
+// Finds the first key that its object already has. The text must be valid JSON.
+std::optional<RepeatedKey> repeated_key(std::string_view text) {
+  std::vector<std::unordered_set<std::string>> keys;  // Of the enclosing lists and objects.
+  std::string_view last;                              // The last string, with its quotes.
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') {
+      const std::size_t begin = i;
+      for (++i; text[i] != '"'; ++i) {
+        if (text[i] == '\\') ++i;
+      }
+      last = text.substr(begin, i + 1 - begin);
+    } else if (c == '[' || c == '{') {
+      keys.emplace_back();
+    } else if (c == ']' || c == '}') {
+      keys.pop_back();
+    } else if (c == ':') {
+      const bool escaped = last.find('\\') != std::string_view::npos;
+      std::string key = escaped ? nlohmann::json::parse(last).get<std::string>()
+                                : std::string(last.substr(1, last.size() - 2));
+      if (!keys.back().insert(key).second) {
+        return RepeatedKey{static_cast<std::size_t>(last.data() - text.data()), std::move(key)};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 // For a number out of range, nlohmann quotes the number instead of giving its position.
 std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
   const std::size_t open = reason.find('\'');
@@ -124,7 +158,14 @@ Result<void> check_json_bounds(std::string_view text, const std::string& file) {
 Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::string& file) {
   TRY(check_json_bounds(text, file));
   try {
-    return nlohmann::ordered_json::parse(text);
+    Json json = Json::parse(text);
+    // The parser keeps only the last value of a repeated key.
+    if (const auto repeated = repeated_key(text)) {
+      return json_failure(text, file, repeated->offset,
+                          "the key \"" + cut_short(repeated->key, kMaxFoundLength) +
+                              "\" occurs twice in an object");
+    }
+    return json;
   } catch (const nlohmann::json::parse_error& error) {
     // nlohmann counts bytes from 1.
     return json_failure(text, file, error.byte > 0 ? error.byte - 1 : 0, reason_of(error));

@@ -217,12 +217,59 @@ Json left_out_json(const RobotSources& robot) {
           {"revision", nullptr},
           {"revision_date", nullptr},
           {"licence_stated", robot.licence_stated},
-          {"installed", false}};
+          {"installed", false},
+          {"error", nullptr}};
 }
 
 std::string left_out_text(const RobotSources& robot) {
   return padded(robot.name, 26) + padded("-", 12) + padded("-", 8) + robot.description +
          (robot.licence_stated ? "" : " (no stated licence)") + " (not installed)\n";
+}
+
+Json broken_json(const RobotSources& robot, const Error& error) {
+  return {{"name", robot.name},
+          {"description", ""},
+          {"joints", nullptr},
+          {"height_m", nullptr},
+          {"mapping", !robot.config.empty()},
+          {"licence", ""},
+          {"revision", nullptr},
+          {"revision_date", nullptr},
+          {"licence_stated", !is_unverified(robot.model)},
+          {"installed", true},
+          {"error", located_message(error)}};
+}
+
+// The first line of the error; `robots check` prints the others.
+std::string broken_text(const RobotSources& robot, Error error) {
+  error.details.clear();
+  error.hint.clear();
+  return padded(robot.name, 26) + padded("-", 12) + padded("-", 8) +
+         "error: " + located_message(error) + "\n";
+}
+
+Json installed_json(const Robot& robot, const RobotSources& files) {
+  const auto heights = heights_of(robot);
+  return {{"name", files.name},
+          {"description", robot.profile().description},
+          {"joints", robot.output_joints().size()},
+          {"height_m", heights ? Json(heights->whole) : Json()},
+          {"mapping", !files.config.empty()},
+          {"licence", robot.profile().licence},
+          {"revision", text_or_null(robot.profile().revision)},
+          {"revision_date", text_or_null(robot.profile().revision_date)},
+          {"licence_stated", !is_unverified(files.model)},
+          {"installed", true},
+          {"error", nullptr}};
+}
+
+std::string installed_text(const Robot& robot, const RobotSources& files) {
+  const auto heights = heights_of(robot);
+  return padded(files.name, 26) + padded(count_text(robot.output_joints().size(), "joint"), 12) +
+         padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
+         robot.profile().description +
+         (files.config.empty() ? " (no retargeting configuration)" : "") +
+         (is_unverified(files.model) ? " (no stated licence)" : "") + "\n";
 }
 
 }  // namespace
@@ -276,24 +323,9 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
       text += left_out_text(each);
       continue;
     }
-    RETARGET_TRY_ASSIGN(const auto robot, load_robot_files(each.model, each.profile));
-    const auto heights = heights_of(*robot);
-    const std::size_t joints = robot->output_joints().size();
-    all.push_back({{"name", each.name},
-                   {"description", robot->profile().description},
-                   {"joints", joints},
-                   {"height_m", heights ? Json(heights->whole) : Json()},
-                   {"mapping", !each.config.empty()},
-                   {"licence", robot->profile().licence},
-                   {"revision", text_or_null(robot->profile().revision)},
-                   {"revision_date", text_or_null(robot->profile().revision_date)},
-                   {"licence_stated", !is_unverified(each.model)},
-                   {"installed", true}});
-    text += padded(each.name, 26) + padded(count_text(joints, "joint"), 12) +
-            padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
-            robot->profile().description +
-            (each.config.empty() ? " (no retargeting configuration)" : "") +
-            (is_unverified(each.model) ? " (no stated licence)" : "") + "\n";
+    const auto robot = load_robot_files(each.model, each.profile);
+    all.push_back(robot ? installed_json(**robot, each) : broken_json(each, robot.error()));
+    text += robot ? installed_text(**robot, each) : broken_text(each, robot.error());
   }
   return form == TextForm::kJson ? printable_dump(all) : printable(text);
 }

@@ -215,6 +215,77 @@ TEST(FindShapes, SolesOfFixedBodiesAreTheFeet) {
   EXPECT_THAT(estimated_bodies(text), ::testing::Not(::testing::Contains("left_foot")));
 }
 
+// The tiny humanoid with other knees and feet.
+std::string with_feet(const std::string& knee_range, const std::string& feet) {
+  std::string text = tiny_humanoid(true);
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{"range=\"0 2.4\"", "range=\"" + knee_range + "\""},
+        {"<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>", feet}}) {
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size())) {
+      text.replace(at, from.size(), to);
+    }
+  }
+  return text;
+}
+
+struct FoundFeet {
+  RobotAnatomy limbs;
+  RobotShapes shapes;
+};
+
+FoundFeet find_feet(const std::string& text) {
+  const auto robot = robot_from_text(text);
+  auto limbs = find_limbs(*robot, "");
+  EXPECT_TRUE(limbs.has_value());
+  if (!limbs) return {};
+  RobotShapes shapes = find_shapes(*robot, *limbs, {});
+  return {std::move(*limbs), std::move(shapes)};
+}
+
+const std::string kBoxFoot = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
+const std::string kBallFoot =
+    "<geom pos=\"-0.05 0.03 -0.04\" size=\"0.01\"/><geom pos=\"-0.05 -0.03 -0.04\" size=\"0.01\"/>"
+    "<geom pos=\"0.11 0.03 -0.04\" size=\"0.01\"/><geom pos=\"0.11 -0.03 -0.04\" size=\"0.01\"/>";
+
+// Knees that cannot straighten tilt the feet in the zero configuration.
+TEST(FindShapes, SolesOfTiltedFeetAreTheirUndersides) {
+  for (const std::string& feet : {kBoxFoot, kBallFoot}) {
+    for (const std::string bend : {"0.05", "0.3", "0.6"}) {
+      const auto [limbs, shapes] = find_feet(with_feet(bend + " 2.4", feet));
+      EXPECT_EQ(shapes.sole_source, ShapeSource::kModel) << bend;
+      EXPECT_THAT(limbs.notes, ::testing::Contains(HasSubstr("degrees off level")));
+      ASSERT_EQ(shapes.soles.size(), 2U);
+      for (const Sole& sole : shapes.soles) {
+        ASSERT_EQ(sole.points.size(), 4U);
+        for (std::size_t i = 0; i < 4; ++i) {
+          EXPECT_NEAR(sole.points[i].z(), -0.05, 1e-9);
+          EXPECT_NEAR(sole.points[i].x(), i < 2 ? -0.05 : 0.11, 1e-9);
+        }
+      }
+      EXPECT_NEAR(shapes.ankle_height, 0.05, 1e-9);
+      EXPECT_TRUE(
+          limbs.legs[0].end->body_from_bone.col(1).isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+      EXPECT_TRUE(
+          limbs.legs[0].end->body_from_bone.col(0).isApprox(Eigen::Vector3d::UnitX(), 1e-9));
+    }
+  }
+  const auto [level, shapes] = find_feet(with_feet("0 2.4", kBoxFoot));
+  EXPECT_THAT(level.notes, ::testing::Not(::testing::Contains(HasSubstr("off level"))));
+}
+
+// Three balls of different height support a foot in several poses.
+TEST(FindShapes, EstimatedSolesOfKnownFeetSayWhy) {
+  const auto [limbs, shapes] =
+      find_feet(with_feet("0 2.4",
+                          "<geom pos=\"0.1 0 -0.04\" size=\"0.04\"/>"
+                          "<geom pos=\"-0.05 0.03 -0.04\" size=\"0.01\"/>"
+                          "<geom pos=\"-0.05 -0.03 -0.04\" size=\"0.01\"/>"));
+  EXPECT_EQ(shapes.sole_source, ShapeSource::kEstimated);
+  EXPECT_THAT(shapes.sole_note, HasSubstr("touch the floor only in a point or a line"));
+  EXPECT_TRUE(limbs.legs[0].end->body_from_bone.col(1).isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
+}
+
 // A visual mesh whose collision shape is on a body fixed to its own.
 TEST(MeshPoints, AreNotFittedWhereShapesOfFixedBodiesAre) {
   const TemporaryFolder folder;

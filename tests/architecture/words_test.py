@@ -102,6 +102,11 @@ class Prose(unittest.TestCase):
         self.assertEqual(found("What does the robot do?", "markdown"), [])
         self.assertEqual(len(found("It ends. What" + " moves is drawn.", "markdown")), 1)
 
+    def test_some_patterns_are_for_pages_alone(self):
+        bad = "Boxes count" + " with this option only."
+        self.assertEqual(len(found(bad, "markdown")), 1)
+        self.assertEqual(found(f"// {bad}", "c"), [])
+
     def test_marked_lines_are_exempt(self):
         self.assertEqual(found(f"// It {BAD}.  words-ok\n", "c"), [])
         self.assertEqual(found(f"It {BAD}. <!-- words-ok -->\n", "markdown"), [])

@@ -35,6 +35,14 @@ TEST(Describe, ListsDetails) {
   EXPECT_EQ(describe(error), "m.json: error: 2 faults\n  - one\n  - two\n  hint: repair them");
 }
 
+TEST(LocatedMessage, OmitsTheKind) {
+  const Error error{
+      ErrorKind::kConfig, {"m.json", 2, 3}, "2 faults", {"one"}, "see " OPTION("fps")};
+  EXPECT_EQ(located_message(error, option_as_flag),
+            "m.json:2:3: 2 faults\n  - one\n  hint: see --fps");
+  EXPECT_EQ(located_message(Error{ErrorKind::kUsage, {"", 0, 0}, "what", {}, ""}), "what");
+}
+
 TEST(Describe, SpellsOptionsForTheAudience) {
   const Error error{ErrorKind::kInput,
                     {"a.bvh", 0, 0},

@@ -50,6 +50,20 @@ TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithLocation) {
   expect_at("[1,\n 1e999]", 2, 2);
 }
 
+TEST(JsonTest, RepeatedKeysAreErrorsAtTheSecondKey) {
+  expect_at("{\"a\": 1,\n \"b\": {\"a\": 2},\n  \"a\": 3}", 3, 3);
+  expect_at(R"([{"b": [{"x": 1, "y": {}, "x": 1}]}])", 1, 27);
+  expect_at(R"({"a\"b": 1, "a\u0022b": 2})", 1, 13);  // Another spelling of the same key.
+  EXPECT_THAT(json_error(R"({"speed": 1, "speed": 2})").message,
+              HasSubstr("the key \"speed\" occurs twice in an object"));
+  // Equal keys in different objects, and values that look like keys.
+  for (const char* text : {R"([{"a": 1}, {"a": 2}])", R"({"a": "a", "b": ["a", "b", {"a": ":"}]})",
+                           R"({"a": {"b": {"a": 1}}, "b": 1, "c": "{\"b\": 1}"})", R"({"": 1})",
+                           R"({"\\": 1, "\"": 2})"}) {
+    EXPECT_TRUE(parse_json(text, "file.json").has_value()) << text;
+  }
+}
+
 TEST(JsonTest, InvalidUtf8IsAnError) {
   json_error("[\"\xff\"]");
 }

@@ -40,7 +40,7 @@ class Selection(BatchTest):
 
         first, _ = frames()
         self.assertEqual(frames("--resume"), (first, True))
-        sidecar.unlink()  # Without it, the file has 30 frames per second.
+        sidecar.unlink()  # Without it, the file is read at 30 frames per second.
         without, kept = frames("--resume")
         self.assertFalse(kept)
         self.assertGreater(without, first + 10)

@@ -241,7 +241,7 @@ class Edit(ToolTest):
         for name in ("q.npz", "q.csv", "q.json", "q.HTML", "q.fbx", "q.gltf", "q.png"):
             with self.subTest(name=name):
                 self.assert_fails(self.run_tool("edit", "mirror", walk, "-o", name), 2,
-                                  "it is a BVH file or a GLB", "ends in .bvh")
+                                  "which is a BVH file or a GLB", "use one of .bvh, .glb")
         for options, kind in ((("--fit", "p.csv"), "a path in JSON"),
                               (("--svg", "p.pdf"), "in the format SVG")):
             self.assert_fails(self.run_tool("edit", "path", walk, *options), 2, kind)

@@ -307,7 +307,8 @@ class EvaluateCommand(ToolTest):
         few = self.write("few.json", '{"iterations": 1, "extra_iterations": 0}')
         for options, converged in (((), True), (("--fit-config", few), False)):
             with self.subTest(options):
-                result = self.retarget("--report", "run.json", "--sidecar", *options)
+                result = self.retarget("--report", "run.json", "--sidecar", *options,
+                                       bvh=tool.sample("turn_in_place"))
                 self.assert_done(result)
                 self.assertEqual("not converged after 1 step" in result.stderr, not converged)
                 motion, = json.loads((self.folder / "run.json").read_text())["motions"]
@@ -322,6 +323,16 @@ class EvaluateCommand(ToolTest):
                 self.assertEqual("not converged" in notes, not converged)
                 sidecar = json.loads((self.folder / "out.csv.json").read_text())
                 self.assertEqual(sidecar["quality"]["motions"][0]["fit"]["solver"], solver)
+                self.assertEqual(motion["passed"], converged)
+
+    def test_summary_of_a_good_motion_ignores_missing_convergence(self):
+        result = self.retarget("--report", "run.json", bvh=tool.sample("walk"))
+        self.assert_done(result)
+        self.assertNotIn("not converged", result.stderr)
+        motion, = json.loads((self.folder / "run.json").read_text())["motions"]
+        self.assertTrue(motion["passed"])
+        self.assertFalse(motion["fit"]["solver"]["converged"])
+        self.assertIn("not converged", " ".join(motion["fit"]["notes"]))
 
     def test_with_a_source_at_another_rate(self):
         clip = tool.sample("wave")

@@ -89,7 +89,7 @@ class GlbFiles(ToolTest):
         names = (self.folder / "places.csv").read_text().splitlines()[0].split(",")
         places = np.loadtxt(self.folder / "places.csv", delimiter=",", skiprows=1)
         joints = glb.json["skins"][0]["joints"]
-        # The clip has 30 frames per second, the motion 50: both have the times 0, 0.1, 0.2, ...
+        # The clip runs at 30 frames per second, the motion at 50: both have the times 0, 0.1, 0.2, ...
         world = glb.world(len(glb.times()))
         for joint in joints:
             name = glb.nodes[joint]["name"]

@@ -156,7 +156,7 @@ class Vmc(LiveTest):
         self.assertGreater(len(read_rows((self.folder / "live.csv").read_text())), 40)
 
     def regular_times(self, recording):
-        """Rewrites the arrival times of a recording to those of a network without delays; the sender has 30 fps."""
+        """Rewrites the arrival times of a recording to those of a network without delays; the sender runs at 30 fps."""
         file = self.folder / recording / "input.stream"
         recorded, events, frames = io.BytesIO(file.read_bytes()), [], 0
         while line := recorded.readline():

@@ -295,6 +295,30 @@ class Robots(ToolTest):
         self.assertIn("RightUpLge", result.stdout)
         self.assertIn("note: the soles are unknown", result.stdout)
 
+    def test_the_list_contains_robots_with_errors(self):
+        self.write("own/retarget/robots/mine/model.xml", K1.read_bytes())
+        self.write("own/retarget/robots/mine/robot.json", '{"name": "mine",\n "name": "mine"}')
+        env = self.tool_environment(XDG_DATA_HOME=str(self.folder / "own"))
+        listed = self.run_tool("robots", "list", env=env)
+        self.assert_done(listed)
+        broken, = (line for line in listed.stdout.splitlines() if line.startswith("mine "))
+        self.assertRegex(broken, r'error: .*mine/robot\.json:2:2: invalid JSON: the key "name" occurs twice')
+        self.assertEqual(len(listed.stdout.splitlines()), len(self.output_of("list").splitlines()) + 1)
+        listed = self.run_tool("robots", "list", "--json", env=env)
+        self.assert_done(listed)
+        errors = {robot["name"]: robot["error"] for robot in json.loads(listed.stdout)}
+        self.assertIn("robot.json:2:2", errors.pop("mine"))
+        self.assertEqual(set(errors.values()), {None})
+        checked = self.run_tool("robots", "check", "mine", env=env)
+        self.assertEqual(checked.returncode, 4)
+        self.assertIn("robot.json:2:2: invalid JSON", checked.stdout)
+        self.assertNotIn("note:", checked.stdout)
+
+    def test_limits_in_degrees_are_rejected(self):
+        self.write("limits.json", json.dumps({"left_knee_joint": [0, 120]}))
+        result = self.retarget("--limits", "limits.json", bvh=sample("walk"), output="x.csv")
+        self.assert_fails(result, 4, "limits.json", "ranges reach 120 rad, which looks like degrees")
+
     def test_a_folder_with_the_name_of_an_installed_robot(self):
         self.write("k1.xml", K1.read_bytes())
         added = self.run_tool("robots", "add", "unitree_g1", "--model", "k1.xml", "-o", "mine")

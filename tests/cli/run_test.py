@@ -191,11 +191,11 @@ class Output(ToolTest):
         words = ("--bvh", sample("wave"), "--ik-config", config, "-o", "out.csv")
         result = self.run_tool(*words, "--robot-xml", bare)
         self.assert_done(result)
-        self.assertIn("warning: the model does not define the soles", result.stderr)
+        self.assertIn("warning: the soles are estimated from the leg lengths", result.stderr)
         # A profile without soles is no better than none.
         profile = self.write("robot.json", '{"name": "mine"}')
         result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
-        self.assertIn("warning: the model does not define the soles", result.stderr)
+        self.assertIn("warning: the soles are estimated from the leg lengths", result.stderr)
 
     def test_summary_lists_all_decisions(self):
         summary = self.retarget().stderr

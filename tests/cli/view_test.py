@@ -128,7 +128,7 @@ class View(ToolTest):
         motion = self.motion()
         for name in ("v.pdf", "v.csv", "v.jpg", "v.bvh"):
             self.assert_fails(self.run_tool("view", motion, "--robot", "g1", "-o", name), 2,
-                              "a page (.html) or a picture (.png, .svg)")
+                              "which is a page or a picture", "use one of .html, .htm, .png, .svg")
         view = ("view", motion, "--robot", "g1", "-o", "s.svg", "--png", "s.jpg")
         self.assert_fails(self.run_tool(*view), 2, "in the format PNG")
         self.assertTrue(self.strip(motion, output="strip").startswith(b"<svg"))

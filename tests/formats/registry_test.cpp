@@ -118,9 +118,10 @@ TEST(FormatRegistry, DetectsEachHumanFormatAndNoOther) {
     }
     const auto robot = parse_robot_motion(bytes, load_g1(), "motion", {});
     ASSERT_FALSE(robot) << format.name;
-    EXPECT_THAT(describe(robot.error()),
-                AnyOf(HasSubstr("human motion"), HasSubstr("only shows a motion"),
-                      HasSubstr("no array \"joint_pos\"")))
+    EXPECT_THAT(
+        describe(robot.error()),
+        AnyOf(HasSubstr("human motion"), HasSubstr("is for display and cannot be converted back"),
+              HasSubstr("no array \"joint_pos\"")))
         << format.name;
   }
 }
@@ -146,7 +147,8 @@ TEST(FormatRegistry, EachWriterIsReadBackAsItsOwnFormat) {
     }
     if (format.family.read_robot == nullptr) {
       ASSERT_FALSE(motion) << format.name;
-      EXPECT_THAT(describe(motion.error()), HasSubstr("only shows a motion"));
+      EXPECT_THAT(describe(motion.error()),
+                  HasSubstr("is for display and cannot be converted back"));
       continue;
     }
     ASSERT_TRUE(motion) << format.name << ": " << describe(motion.error());

@@ -111,6 +111,7 @@ TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
       load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string())
           .value();
   EXPECT_EQ(robot->joint_names(), original->joint_names());
+  EXPECT_THAT(robot->warnings(), ::testing::IsEmpty());
   EXPECT_EQ(robot->model_limits().lower, original->model_limits().lower);
   std::vector<double> qpos = original->zero_configuration();
   for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.1 * static_cast<double>(i % 5) - 0.2;

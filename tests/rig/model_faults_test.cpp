@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "retarget/file.h"
+#include "retarget/load_robot.h"
 #include "retarget/rig.h"
 #include "support/built_humanoids.h"
 #include "support/temporary_folder.h"
@@ -131,6 +133,21 @@ TEST_F(ModelFaults, ReportMissingRanges) {
               Contains(HasSubstr("ankle_pitch")));
 }
 
+TEST_F(ModelFaults, LockJointsWhoseRangeIsASinglePosition) {
+  const std::string text = changed([](BuiltHumanoid& built) {
+                             built.waist = {{"waist", kAxisZ, {0, 0, 0}, 0.1, 0.1}};
+                           }).mjcf();
+  expect_noted(text, "the range of these joints is a single position: \"waist\"");
+  EXPECT_THAT(notes(text), Not(Contains(HasSubstr("unlimited"))));
+  const auto made = make_robot(write(text), "robot");
+  ASSERT_TRUE(made);
+  const auto robot = load_robot_files(folder_.write("made.xml", made->model));
+  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto joint = static_cast<std::size_t>((*robot)->find_joint("waist").value());
+  EXPECT_EQ((*robot)->model_limits().lower[joint], 0.1);
+  EXPECT_EQ((*robot)->model_limits().upper[joint], 0.1);
+}
+
 TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
   expect_refused(changed([](BuiltHumanoid& built) { built.leg.joints[3].type = "slide"; }).mjcf(),
                  "has a slide, \"left_knee\"");
@@ -164,6 +181,27 @@ TEST_F(ModelFaults, BodiesWithoutMassAreNamed) {
         "<body><inertial pos=\"0 0 0\" mass=\"1\"" + inertia + "</body>"}) {
     EXPECT_THAT(notes(with_shoulder(mass)), Not(Contains(HasSubstr("no mass"))));
   }
+}
+
+TEST_F(ModelFaults, ImpossibleInertiasAreNamed) {
+  const auto with_torso = [](const std::string& inertial) {
+    std::string text = plain_humanoid().mjcf();
+    const std::size_t begin = text.find("<inertial", text.find("<body name=\"torso\""));
+    return text.replace(begin, text.find("/>", begin) - begin,
+                        "<inertial pos=\"0 0 0\" " + inertial);
+  };
+  expect_noted(with_torso("mass=\"1\" diaginertia=\"10 0.1 0.1\""),
+               "impossible inertia of \"torso\": the largest moment exceeds the sum of the others");
+  expect_noted(with_torso("mass=\"1\" diaginertia=\"0 0 0\""),
+               "zero moments of inertia of \"torso\": replaced by a negligible value");
+  for (const char* negative :
+       {"mass=\"-1\" diaginertia=\"1 1 1\"", "mass=\"1\" diaginertia=\"1 -1 1\""}) {
+    const std::string text = with_torso(negative);
+    expect_noted(text, "invalid mass or inertia of \"torso\": replaced by a negligible value");
+    EXPECT_THAT(notes(text), Not(Contains(HasSubstr("no mass"))));
+  }
+  EXPECT_THAT(notes(with_torso("mass=\"1\" diaginertia=\"1 1 2\"")),
+              Not(Contains(HasSubstr("inertia"))));
 }
 
 TEST_F(ModelFaults, NameASlideBeforeTheAnkle) {
@@ -220,6 +258,52 @@ TEST_F(ModelFaults, ReportWristsMistakenForElbows) {
                  "elbow");
 }
 
+// Arms with a full wrist whose elbows do not move. No name or body marks the hand.
+TEST_F(ModelFaults, ReportFixedElbowsWithoutNames) {
+  const auto with_forearm = [](const Eigen::Vector3d& axis, const Eigen::Vector3d& wrist) {
+    return changed([&](BuiltHumanoid& built) {
+             built.arm.joints.pop_back();
+             built.arm.joints.push_back({"a5", axis, {0, 0, -0.18}});
+             built.arm.joints.push_back({"a6", kAxisY, wrist, -1, 1});
+             built.arm.joints.push_back({"a7", kAxisX, {0, 0, 0}, -1, 1});
+             for (std::size_t i = 0; i < 3; ++i) built.arm.joints[i].name = fmt::format("a{}", i);
+             built.arm.joints.back().centre = built.arm.end = 0.5 * wrist;
+             built.arm.marked = false;
+           })
+        .mjcf();
+  };
+  expect_refused(with_forearm(kAxisZ, {0, 0, -0.15}), "has no elbow");
+  expect_refused(with_forearm(kAxisX, {0.15, 0, 0}), "has no elbow");
+}
+
+// An unmarked hand whose mass makes the part beyond the wrist long.
+TEST_F(ModelFaults, NamesTellWristsFromElbows) {
+  const auto with_last = [](const std::string& joint) {
+    return changed([&](BuiltHumanoid& built) {
+             built.arm.joints.back().at = {0, 0, -0.28};
+             built.arm.joints.back().name = joint;
+             built.arm.marked = false;
+           })
+        .mjcf();
+  };
+  expect_refused(with_last("wrist_pitch"), "has no elbow");
+  std::string text = with_last("joint_4");
+  replace_all(text, "<body name=\"left_joint_4\"", "<body name=\"left_hand\"");
+  replace_all(text, "<body name=\"right_joint_4\"", "<body name=\"right_hand\"");
+  EXPECT_THAT(findings(text, true), ::testing::IsEmpty());
+}
+
+TEST_F(ModelFaults, ReportSidesOfDifferentLength) {
+  const auto with_shins = [](const std::string& left) {
+    std::string text = plain_humanoid().mjcf();
+    replace_all(text, "<body name=\"left_ankle_pitch\" pos=\"0 0 -0.25\">",
+                "<body name=\"left_ankle_pitch\" pos=\"0 0 " + left + "\">");
+    return text;
+  };
+  expect_noted(with_shins("-0.28"), "left and right differ in length: shins 0.28 and 0.25 m");
+  EXPECT_THAT(notes(with_shins("-0.255")), Not(Contains(HasSubstr("differ in length"))));
+}
+
 TEST_F(ModelFaults, ReportDuplicateNames) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "joint name=\"left_knee\"", "joint name=\"left_hip_yaw\"");
@@ -267,6 +351,20 @@ TEST_F(ModelFaults, ReportLeaningAndObliqueTrunks) {
   expect_noted(turned("0 0.52 0"), "the trunk leans by 30 degrees");
   expect_noted(turned("0 0 0.52"), "oblique to the axes");
   expect_refused(turned("0 1.5 0"), "does not stand upright");
+}
+
+// The H1's joint axes pair its limbs partly when it stands along y.
+TEST_F(ModelFaults, ReportOtherUprightAxes) {
+  const auto model = read_file(std::string(RETARGET_SOURCE_DIR) + "/robots/unitree_h1/model.xml",
+                               ErrorKind::kConfig);
+  ASSERT_TRUE(model);
+  for (const char* turn : {"-0.70710678 0 0", "0.70710678 0 0", "0 0.70710678 0"}) {
+    std::string text(model->view());
+    replace_all(text, "<body name=\"pelvis\" pos=\"0 0 1.1\">",
+                fmt::format("<body name=\"pelvis\" quat=\"0.70710678 {}\">", turn));
+    expect_refused(text, "does not stand upright along z");
+    EXPECT_THAT(refusal(text), HasSubstr("turn its root body"));
+  }
 }
 
 TEST_F(ModelFaults, WarnAboutUnusualSegmentLengths) {

@@ -74,6 +74,36 @@ TEST(LimitsTest, RejectsNonFiniteNumbers) {
   EXPECT_THAT(limits_message("[]"), HasSubstr("must be an object"));
 }
 
+TEST(LimitsTest, RejectsRangesThatLookLikeDegrees) {
+  const std::string message = limits_message(
+      R"({"left_shoulder": [-90, 80], "left_elbow": [0, 120], "left_twist": [0, 1]})");
+  EXPECT_THAT(message, HasSubstr("ranges reach 120 rad, which looks like degrees: "
+                                 "\"left_shoulder\", \"left_elbow\"; write them in radians"));
+  const auto model = limits_of_file("limits.xml", R"(
+<mujoco><compiler angle="radian"/><worldbody>
+  <body><joint name="left_elbow" range="-90 90"/><geom size="1"/></body></worldbody></mujoco>)");
+  ASSERT_FALSE(model.has_value());
+  EXPECT_THAT(model.error().message, HasSubstr("looks like degrees: \"left_elbow\""));
+  // Metres of a slide joint, and turns of a joint without a range in the model.
+  EXPECT_TRUE(limits_of_file("limits.json", R"({"right_slide": [-20, 20]})").has_value());
+  EXPECT_TRUE(limits_of_file("limits.json", R"({"left_twist": [-50, 50]})").has_value());
+}
+
+// A wheel may have a range of many turns; most joints of a robot may not.
+TEST(LimitsTest, JointsWithoutRangesMayTurnOften) {
+  std::string text = "<mujoco><worldbody><body><freejoint/><geom size=\"1\"/>";
+  std::string ranges;
+  for (int i = 0; i < 8; ++i) {
+    text += "<body><joint name=\"j" + std::to_string(i) + "\"/><geom size=\"1\"/></body>";
+    ranges += (i > 0 ? ", \"j" : "\"j") + std::to_string(i) + "\": [-90, 90]";
+  }
+  const auto robot = robot_from_text(text + "</body></worldbody></mujoco>");
+  const TemporaryFolder folder;
+  const auto wheel = folder.write("wheel.json", R"({"j0": [-1000, 1000], "j1": [-1, 1]})");
+  EXPECT_TRUE(load_limits(*robot, wheel).has_value());
+  EXPECT_FALSE(load_limits(*robot, folder.write("all.json", "{" + ranges + "}")).has_value());
+}
+
 // No free joint is needed, and joints of another hand are ignored.
 TEST(LimitsTest, ReadsMjcfByJointNames) {
   const auto limits = limits_of_file("limits.xml", R"(

@@ -7,6 +7,8 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <thread>
 #include <vector>
@@ -194,6 +196,46 @@ TEST(LoadModelTest, RejectsNonFiniteNumbers) {
               HasSubstr("\"elbow\""));
   EXPECT_THAT(error_of(with("><joint name=\"elbow\" range=\"0 inf\"/>")).message,
               HasSubstr("elbow"));
+  EXPECT_THAT(error_of(with("><joint name=\"elbow\" range=\"nan 1\"/>")).message,
+              HasSubstr("elbow"));
+  EXPECT_THAT(error_of(with("><joint/><geom size=\"1\" mass=\"inf\"/>")).message,
+              HasSubstr("\"arm\""));
+  for (const char* inertial : {R"(pos="0 0 0" mass="inf" diaginertia="1 1 1")",
+                               R"(pos="0 0 0" mass="nan" diaginertia="1 1 1")",
+                               R"(pos="0 0 0" mass="1" diaginertia="1 inf 1")",
+                               R"(pos="0 0 0" mass="1" fullinertia="1 1 1 0 nan 0")",
+                               R"(pos="0 inf 0" mass="1" diaginertia="1 1 1")",
+                               R"(pos="nan 0 0" mass="1" diaginertia="1 1 1")"}) {
+    EXPECT_THAT(error_of(with(std::string("><inertial ") + inertial + "/>")).message,
+                HasSubstr("\"arm\""))
+        << inertial;
+  }
+}
+
+TEST(LoadModelTest, LimitsJointsWithARangeOfASinglePosition) {
+  const auto limits = [](const std::string& joint) {
+    const auto robot =
+        robot_from_text(world("<body><freejoint/><geom size=\"1\"/><body><joint name=\"elbow\" " +
+                              joint + "/><geom size=\"1\"/></body></body>"));
+    return std::array{robot->model_limits().lower[0], robot->model_limits().upper[0]};
+  };
+  EXPECT_EQ(limits("type=\"slide\" range=\"0.25 0.25\""), (std::array{0.25, 0.25}));
+  EXPECT_EQ(limits("type=\"slide\" range=\"0 0\""), (std::array<double, 2>{-INFINITY, INFINITY}));
+  EXPECT_EQ(limits("type=\"slide\" limited=\"false\" range=\"0.25 0.25\""),
+            (std::array<double, 2>{-INFINITY, INFINITY}));
+  const TemporaryFolder folder;
+  const std::string link =
+      "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" "
+      "iyz=\"0\"/></inertial></link>";
+  const auto urdf = load_robot_files(
+      folder.write("robot.urdf",
+                   "<robot name=\"r\"><link name=\"a\">" + link + "<link name=\"b\">" + link +
+                       "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
+                       "<limit lower=\"0.3\" upper=\"0.3\"/></joint></robot>"),
+      {}, RobotBase::kFixed);
+  ASSERT_TRUE(urdf) << describe(urdf.error());
+  EXPECT_EQ((*urdf)->model_limits().upper[0], 0.3);
+  EXPECT_THAT((*urdf)->warnings(), IsEmpty());
 }
 
 TEST(LoadModelTest, RejectsReversedRanges) {

@@ -190,7 +190,29 @@ TEST(LoadProfileTest, ReportsErrorsOfEachKind) {
       HasSubstr("1 points but 0 labels"));
 }
 
-// Every member with every type, at two depths: an error or a robot, never an exception.
+TEST(LoadProfileTest, RejectsUnknownMethodsAndMalformedDates) {
+  EXPECT_THAT(message_with(R"("method_limits": {"GMR": "model"})"),
+              HasSubstr("no method \"GMR\"; the methods are fit, gmr"));
+  for (const char* date : {"yesterday", "2026-13-01", "2026-02-30", "2026-1-2", "26-01-02",
+                           "2026-01-02T00:00", "+026-01-02"}) {
+    EXPECT_THAT(message_with("\"revision_date\": \"" + std::string(date) + "\""),
+                AllOf(HasSubstr("must be a date YYYY-MM-DD"), HasSubstr(date)));
+  }
+}
+
+TEST(LoadProfileTest, RejectsPositionsAndRangesInDegrees) {
+  EXPECT_THAT(message_with(R"("t_pose": {"left_shoulder": 90})"),
+              AllOf(HasSubstr("\"t_pose\" of \"left_shoulder\" is 90 rad"),
+                    HasSubstr("looks like degrees")));
+  EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {"left_elbow": -45}}})"),
+              HasSubstr("looks like degrees"));
+  EXPECT_THAT(message_with(R"("limit_sets": {"a": {"ranges": {"left_elbow": [-90, 90]}}})"),
+              HasSubstr("limit set \"a\": ranges reach 90 rad, which looks like degrees: "
+                        "\"left_elbow\"; write them in radians"));
+  // A slide joint has metres.
+  EXPECT_TRUE(load(R"({"name": "n", "t_pose": {"right_slide": 90}})").has_value());
+}
+
 TEST(LoadProfileTest, CouplingsNameJointsAndNumbers) {
   const auto of = [](const std::string& coupling) {
     return message_with("\"coupled_joints\": {\"left_elbow\": " + coupling + "}");
@@ -200,10 +222,17 @@ TEST(LoadProfileTest, CouplingsNameJointsAndNumbers) {
   EXPECT_THAT(of(R"({"joint": "left_shoulder", "ratio": "2"})"), HasSubstr("must be a number"));
   EXPECT_THAT(of(R"({"joint": "left_shoulder", "ratoi": 2})"), HasSubstr("ratoi"));
   EXPECT_THAT(of("2"), HasSubstr("must be {"));
+  const std::string cycle = message_with(R"("coupled_joints": {
+      "left_twist": {"joint": "left_shoulder"}, "left_shoulder": {"joint": "left_elbow"},
+      "left_elbow": {"joint": "left_twist"}, "right_slide": {"joint": "left_twist"}})");
+  EXPECT_THAT(cycle, HasSubstr("drive each other in a cycle: \"left_elbow\", \"left_twist\", "
+                               "\"left_shoulder\""));
+  EXPECT_THAT(cycle, Not(HasSubstr("right_slide")));
   EXPECT_THAT(message_with(R"("coupled_joints": {"elbow": {"joint": "left_elbow"}})"),
               HasSubstr("no joint \"elbow\""));
 }
 
+// Every member with every type, at two depths: an error or a robot, never an exception.
 TEST(LoadProfileTest, RejectsWrongTypes) {
   const std::vector<std::string> values = {"null",
                                            "true",

@@ -129,6 +129,24 @@ TEST(WriteScene, MjcfHasRobotAndScene) {
   }
 }
 
+// MuJoCo rejects limits to a single position.
+TEST(WriteScene, MjcfHasJointsThatAreLimitedToOnePosition) {
+  const TemporaryFolder folder;
+  const auto robot = load_robot_files(folder.write(
+      "robot.xml",
+      "<mujoco><worldbody><body><freejoint/><geom size=\"1\"/><body><joint name=\"held\" "
+      "type=\"slide\" range=\"0.25 0.25\"/><geom size=\"1\"/></body></body></worldbody></mujoco>"));
+  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto text = format_scene_mjcf(RobotClip(*robot, {30, 1}, 3), made_scene(3));
+  ASSERT_TRUE(text) << describe(text.error());
+  const LoadedMjcf loaded = load_mjcf(*text);
+  ASSERT_TRUE(loaded.model);
+  const int joint = mj_name2id(loaded.model.get(), mjOBJ_JOINT, "held");
+  ASSERT_GE(joint, 0);
+  EXPECT_NE(loaded.model->jnt_limited[joint], 0);
+  EXPECT_NEAR(loaded.model->jnt_range[2 * joint], 0.25, 1e-5);
+}
+
 TEST(WriteScene, MjcfHasMassesFloorAndMeshesInPlace) {
   const RobotClip motion = made_motion(3);
   const SceneClip scene = made_scene(3);

@@ -202,7 +202,7 @@ OptionTable view_table(ViewArguments& arguments) {
           "Frame rate of motions whose files state none, and of the source of a page, in frames "
           "per second, or `source` (default: the rate of the first motion; files without one: 30, "
           "SOMA 120)"),
-      gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
+      gate_row(arguments.gates, std::string(kGateHelp) + ". Only for pages")};
   append(table, rows_for(OptionUse::kShow, run_command_table(arguments.run)));
   // As in evaluate, --source-fps is the rate of the source, if there is one.
   append(table, without_rows_of(table, reading_table(arguments.reading)));

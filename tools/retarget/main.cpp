@@ -36,7 +36,7 @@ Examples:
   retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
 
 // Example calls by command.
-constexpr std::array<std::pair<const char*, const char*>, 12> kExamples = {{
+constexpr std::array<std::pair<const char*, const char*>, 15> kExamples = {{
     {"certify", "  retarget certify walk.csv --robot g1 --bvh walk.bvh"},
     {"simulate",
      "  retarget simulate walk.csv --robot g1 -o simulated.csv\n"
@@ -59,7 +59,16 @@ constexpr std::array<std::pair<const char*, const char*>, 12> kExamples = {{
     {"live",
      "  retarget live --robot g1 --input udp:1118?format=bvh --skeleton walk.bvh\n"
      "  retarget live --play walk.bvh --to udp:1118?format=bvh"},
-    {"view", "  retarget view walk.csv --robot g1 --bvh walk.bvh -o walk.svg"},
+    {"view",
+     "  retarget view walk.csv --robot g1 --bvh walk.bvh -o walk.html\n"
+     "  retarget view walk.csv --robot g1 -o walk.svg"},
+    {"edit",
+     "  retarget edit trim walk.bvh --start 2 --end 5 -o part.bvh\n"
+     "  retarget edit loop walk.bvh -o cycle.bvh"},
+    {"robots",
+     "  retarget robots list\n"
+     "  retarget robots add my_robot --model my_robot.xml"},
+    {"generate", "  retarget generate bash > retarget.bash\n  retarget generate man > retarget.1"},
 }};
 
 void add_help_all(CLI::App& app) {
@@ -68,8 +77,17 @@ void add_help_all(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands({})) add_help_all(*command);
 }
 
+// Removes the footer that commands inherit; it describes the default command.
+void clear_footers(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) {
+    command->footer("");
+    clear_footers(*command);
+  }
+}
+
 void add_help(CLI::App& app) {
   add_help_all(app);
+  clear_footers(app);
   for (const auto& [name, examples] : kExamples) {
     app.get_subcommand(name)->footer(std::string("Examples:\n") + examples);
   }

@@ -57,7 +57,7 @@ Result<void> find_scene(const SceneFromMotionArguments& arguments, Console& cons
   if (part != FrameRange{0, clip.frame_count()}) clip = cut(clip, part.begin, part.end);
   RETARGET_TRY_ASSIGN(const SceneFromMotion found, scene_from_motion(clip, human.calibration));
   if (found.surfaces.empty()) {
-    return input_failure(clip.name(), "the human only rests on the floor");
+    return input_failure(clip.name(), "found no surfaces above the floor");
   }
   if (!output.empty()) {
     RETARGET_TRY_ASSIGN(const std::string text, format_found(output, found.scene));

@@ -77,8 +77,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
   RETARGET_TRY(
       check_written({run.output, arguments.run.png, arguments.run.request.write_map}, read));
   RETARGET_TRY(check_output_ending(arguments.run.png, {".png"}, "a picture in the format PNG"));
-  return check_output_ending(run.output, {".html", ".htm", ".png", ".svg"},
-                             "a page (.html) or a picture (.png, .svg)");
+  return check_output_ending(run.output, {".html", ".htm", ".png", ".svg"}, "a page or a picture");
 }
 
 // Draws a strip in the format that the file name implies.

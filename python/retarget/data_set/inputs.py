@@ -55,9 +55,9 @@ def find_clips(inputs: StrPath | Iterable[StrPath],
 
     Args:
         inputs: local folders (searched recursively), files and patterns, URLs of the same kinds for
-            fsspec ("s3://bucket/clips/", "hf://datasets/me/clips/*.bvh"), each also with tar files,
-            such as shards of WebDataset. Only motion files count (docs/formats.md), named by their
-            path below the folder, below the fixed part of a pattern, or inside the tar.
+            fsspec ("s3://bucket/clips/", "hf://datasets/me/clips/*.bvh"), which may contain tar
+            files, such as shards of WebDataset. Only motion files are used (docs/formats.md), named
+            by their path below the folder, below the fixed part of a pattern, or inside the tar.
         storage_options: options of fsspec for URLs.
 
     Raises:

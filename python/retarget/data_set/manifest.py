@@ -1,6 +1,6 @@
 """The manifest of a large data set: Parquet files of results, one row per clip and try.
 
-The last row of a clip counts. Parts are numbered in the order in which they were written.
+The last row of a clip is valid. Parts are numbered in the order in which they were written.
 """
 
 from __future__ import annotations

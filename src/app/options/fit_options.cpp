@@ -170,8 +170,8 @@ OptionTable contact_table(FitOptions& o) {
 
 OptionTable solver_table(FitOptions& o) {
   OptionTable table = {
-      number("Solver", "window", o.window, "Length of a window that is solved at once, seconds",
-             0.1),
+      number("Solver", "window", o.window,
+             "Length of the windows into which a clip is cut, seconds", 0.1),
       number("Solver", "seam", o.seam,
              "Time on either side of a window boundary that is solved again, seconds"),
       count("iterations", o.iterations, "Gauss-Newton steps", 0, 10000),

@@ -136,7 +136,9 @@ OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
   const OptionInfo info{.decides = decides, .uses = OptionUse::kShowBatch | OptionUse::kInspect};
   OptionTable table = {
       option("from", options.from, group, "",
-             "NPZ: joint order of the file; others: read it without comparing its bodies", info),
+             "Format of the file. NPZ: selects the joint order, which is otherwise detected; other "
+             "formats: skips the comparison of stored body positions with forward kinematics",
+             info),
       option("source-quat", options.quaternion, group, "",
              "Order of the root quaternion in the file", info),
       option("source-angles", options.angles, group, "", "Unit of the joints in a CSV or pickle",
@@ -302,8 +304,8 @@ OptionTable solve_table(SolveOptions& options) {
              "gmr with " OPTION("method") " gmr)",
              {.file = OptionFile::kOrName, .uses = kJudged | OptionUse::kLive}),
       option("ik-config", options.ik_config, kRobotGroup, "published|derived|FILE",
-             "Retargeting configuration (which robot body follows which bone): that of the "
-             "published method, the one derived from the robot's model, or a JSON file (default: "
+             "Retargeting configuration (which robot body follows which bone): the published "
+             "method's, the one derived from the robot's model, or a JSON file (default: "
              "derived; with " OPTION("method") " gmr published for LAFAN1 if available)",
              {.file = OptionFile::kOrName, .uses = kJudged | OptionUse::kLive}),
       option("method", options.method, kRobotGroup, "",
@@ -314,7 +316,7 @@ OptionTable solve_table(SolveOptions& options) {
              "Weights and other options of the fit, JSON",
              {.file = OptionFile::kContent, .uses = OptionUse::kLive}),
       option("window", options.fit_window_s, kRobotGroup, "SECONDS",
-             "Length of the windows that the fit solves at once, seconds; determines memory and "
+             "Length of the windows into which the fit cuts a clip, seconds; determines memory and "
              "look-ahead (default: 20)",
              {.min = 0.1, .max = 1e6}),
       option("with", options.with, kRobotGroup, "TERM,...",

@@ -13,7 +13,9 @@
 #include "retarget/load_robot.h"
 #include "retarget/text.h"
 #include "robot/anatomy/bare_robot.h"
+#include "robot/anatomy/limbs.h"
 #include "robot/anatomy/overlaps.h"
+#include "solve/targets/check_soles.h"
 
 namespace retarget {
 
@@ -34,8 +36,8 @@ Result<void> check_model_file(const std::string& path) {
 
 void warn_of_guessed_soles(LoadedRobot& loaded) {
   loaded.warnings.push_back({0, 0,
-                             "the model does not define the soles; they are estimated from the leg "
-                             "lengths, and feet may float or sink by centimetres"});
+                             "the soles are estimated from the leg lengths, so feet may float or "
+                             "sink by centimetres"});
 }
 
 // Infers soles from the model, because feet with unknown soles float or sink.
@@ -73,6 +75,22 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
                                list_overlaps(completed->overlaps))});
   }
   loaded.robot = std::move(completed->robot);
+}
+
+// Rejects a robot with two feet and one sole, and warns of soles that are not at the feet.
+Result<void> check_given_soles(LoadedRobot& loaded) {
+  const Robot& robot = *loaded.robot;
+  if (robot.profile().soles.empty()) return {};
+  const auto limbs = find_limbs(robot, loaded.model);
+  if (!limbs || !limbs->has_legs) return {};
+  SoleFaults faults = check_soles(robot, *limbs);
+  if (!faults.missing.empty()) {
+    return config_failure(loaded.profile, std::move(faults.missing), missing_sole_hint(robot));
+  }
+  for (std::string& misplaced : faults.misplaced) {
+    loaded.warnings.push_back({0, 0, std::move(misplaced)});
+  }
+  return {};
 }
 
 // Warns if the current folder has another robot with the name of an installed one.
@@ -116,6 +134,7 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
     loaded.notes.push_back({"soles", loaded.robot->profile().soles_source + ": " + loaded.profile});
     warn_of_guessed_soles(loaded);
   }
+  if (soles == Soles::kFound && !bare) TRY(check_given_soles(loaded));
   if (!choice.variant.empty()) {
     TRY_ASSIGN(loaded.robot, robot_variant(loaded.robot, choice.variant));
   }

@@ -198,9 +198,10 @@ Result<void> check_output_ending(const std::string& path,
                                  const std::string& kind) {
   const std::string ending = ending_of(path);
   if (std::ranges::find(endings, ending) != endings.end() || !is_of_known_kind(ending)) return {};
-  return usage_failure("the output \"" + path + "\" ends in " +
-                           fs::path(path).extension().string() + ", but it is " + kind,
-                       "give a name that ends in " + std::string(*endings.begin()));
+  const std::vector<std::string> names(endings.begin(), endings.end());
+  return usage_failure("unsupported extension " + fs::path(path).extension().string() +
+                           " of the output \"" + path + "\", which is " + kind,
+                       (names.size() > 1 ? "use one of " : "use ") + list_names(names));
 }
 
 Result<std::vector<OutputItem>> plan_outputs(const std::string& output,

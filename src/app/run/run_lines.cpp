@@ -22,6 +22,7 @@
 #include "retarget/run.h"
 #include "retarget/text.h"
 #include "robot/model/limits.h"
+#include "solve/fit/fit_status_report.h"
 
 namespace retarget {
 namespace {
@@ -184,7 +185,11 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
   for (const GateResult& gate : report.gates) {
     if (gate.passed) ++(gate.value ? kept : unmeasured);
   }
-  if (!missed.empty()) lines.push_back({"missed", name + missed});
+  if (!missed.empty()) {
+    const std::string note = report.fit ? convergence_note(*report.fit) : "";
+    if (!note.empty()) lines.push_back({"fit", note});
+    lines.push_back({"missed", name + missed});
+  }
   const auto all = static_cast<long>(report.gates.size());
   std::string text =
       name +

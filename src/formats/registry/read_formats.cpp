@@ -116,7 +116,8 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
     if (!format.is_robots() || !format.family.reads(type.kind)) continue;
     if (format.family.read_robot == nullptr) {
       return input_failure(file,
-                           "the file is " + std::string(type.what) + ", which only shows a motion",
+                           "the file is " + std::string(type.what) +
+                               ", which is for display and cannot be converted back",
                            "give the motion file that it was made from, such as walk.csv");
     }
     auto raw = format.family.read_robot(bytes, robot, file, options);

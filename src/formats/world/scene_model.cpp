@@ -21,6 +21,8 @@ namespace {
 
 using Type = SceneShape::Type;
 
+constexpr double kLeastRange = 1e-6;  // Radians or metres.
+
 template <typename From, typename To>
 void copy(const From* from, To* to, int count) {
   for (int i = 0; i < count; ++i) to[i] = static_cast<To>(from[i]);
@@ -100,8 +102,11 @@ class RobotCopy {
     copy(model_.jnt_axis + 3 * j, joint.axis, 3);
     joint.ref = model_.qpos0[model_.jnt_qposadr[j]];
     joint.springref = model_.qpos_spring[model_.jnt_qposadr[j]];
-    joint.limited = model_.jnt_limited[j] != 0 ? mjLIMITED_TRUE : mjLIMITED_FALSE;
+    const bool limited = model_.jnt_limited[j] != 0;
+    joint.limited = limited ? mjLIMITED_TRUE : mjLIMITED_FALSE;
     copy(model_.jnt_range + 2 * j, joint.range, 2);
+    // MuJoCo rejects limits to a single position.
+    if (limited && joint.range[0] == joint.range[1]) joint.range[1] += kLeastRange;
     const int dof = model_.jnt_dofadr[j];
     put_linear(joint.stiffness, model_.jnt_stiffness[j]);
     put_linear(joint.damping, model_.dof_damping[dof]);

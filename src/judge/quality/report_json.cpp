@@ -2,11 +2,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "retarget/human.h"
 #include "retarget/report.h"
+#include "solve/fit/fit_status_report.h"
 
 namespace retarget {
 namespace {
@@ -134,6 +136,9 @@ Json json_of(const FitReport& fit) {
   json["solver"]["windows"] = Json::array();
   for (const FitStatus& part : fit.windows) json["solver"]["windows"].push_back(json_of(part));
   json["notes"] = fit.notes;
+  if (std::string note = convergence_note(fit); !note.empty()) {
+    json["notes"].push_back(std::move(note));
+  }
   return json;
 }
 

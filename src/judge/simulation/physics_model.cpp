@@ -109,7 +109,7 @@ class Builder {
     joint->armature = robot_.rotor_inertia(link.joint);
     const double lower = robot_.model_limits().lower[link.joint];
     const double upper = robot_.model_limits().upper[link.joint];
-    if (std::isfinite(lower) && std::isfinite(upper) && lower < upper) {
+    if (std::isfinite(lower) && std::isfinite(upper) && lower <= upper) {
       joint->limited = mjLIMITED_TRUE;
       joint->range[0] = lower - kStopDistance;
       joint->range[1] = upper + kStopDistance;

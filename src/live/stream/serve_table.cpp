@@ -28,6 +28,18 @@ std::string skeleton_in(const std::string& folder, const std::string& skeleton) 
   return (fs::path(folder) / fs::path(skeleton).filename()).string();
 }
 
+// The solving options of a run, described for a stream, whose end is unknown.
+OptionTable live_solve_table(SolveOptions& options) {
+  OptionTable table = rows_for(OptionUse::kLive, solve_table(options));
+  for (Option& row : table) {
+    if (row.name != "method") continue;
+    row.info.help =
+        "fit: optimise feasibility, in each frame or over the latest frames (" RETARGET_OPTION(
+            "mode") "); gmr: the published two-pass inverse kinematics, frame by frame";
+  }
+  return table;
+}
+
 Result<void> record_options(ServeRequest request) {
   const std::string folder = request.serve.record;
   std::error_code failed;
@@ -69,7 +81,7 @@ OptionTable recorded_serve_table(ServeRequest& request) {
              "With " RETARGET_OPTION("mode") " frame: inverse kinematics only, without "
                                              "speed limits and floor and foot corrections"));
   append(table, rows_for(OptionUse::kLive, robot_table(request.robot)));
-  append(table, rows_for(OptionUse::kLive, solve_table(pipeline.run.solve)));
+  append(table, live_solve_table(pipeline.run.solve));
   append(table, rows_for(OptionUse::kLive, human_table(pipeline.run.human)));
   return table;
 }

@@ -47,17 +47,21 @@ double plausibility(const Robot& robot, const MiddleJoint& middle) {
   return factor;
 }
 
-int middle_vote_of_names(const Robot& robot, int joint, bool is_leg) {
+int middle_vote_of_name(const std::string& any_case, bool is_leg) {
   using namespace std::string_view_literals;
   constexpr std::array kKnee = {"knee"sv, "calf"sv, "shin"sv, "shank"sv};
   constexpr std::array kElbow = {"elbow"sv, "forearm"sv, "lower_arm"sv, "lowerarm"sv};
   constexpr std::array kOther = {"hip"sv,      "thigh"sv, "ankle"sv, "foot"sv,      "toe"sv,
                                  "shoulder"sv, "wrist"sv, "hand"sv,  "upper_arm"sv, "gripper"sv};
-  const std::string name = lower_case(robot.joints()[joint].name + " " +
-                                      robot.bodies()[robot.joints()[joint].body].name);
+  const std::string name = lower_case(any_case);
   const bool is_middle = is_leg ? names_one_of(name, kKnee) : names_one_of(name, kElbow);
   if (is_middle) return 1;
   return names_one_of(name, kOther) ? -1 : 0;
+}
+
+int middle_vote_of_names(const Robot& robot, int joint, bool is_leg) {
+  const RobotJoint& of = robot.joints()[joint];
+  return middle_vote_of_name(of.name + " " + robot.bodies()[of.body].name, is_leg);
 }
 
 LimbNames limb_named_by(const Robot& robot, int joint) {
@@ -73,6 +77,7 @@ LimbNames limb_named_by(const Robot& robot, int joint) {
 namespace {
 
 constexpr double kLeaning = 15.0;  // Degrees.
+constexpr double kTilted = 0.5;    // Degrees.
 constexpr double kOblique = 0.1;   // Sine of the angle to the axes: 6 degrees.
 
 }  // namespace
@@ -83,6 +88,12 @@ void note_limbs(const Robot& robot, const ZeroPose& zero, RobotAnatomy& found) {
         fmt::format("the trunk leans by {} degrees in the zero configuration, which is assumed to "
                     "be upright: turn the root body, or all motions lean by this angle",
                     number_text(zero.lean, 0)));
+  }
+  if (zero.foot_tilt > kTilted) {
+    found.notes.push_back(
+        fmt::format("the feet are {} degrees off level in the zero configuration: the flat "
+                    "undersides of their contact geoms are taken as the soles",
+                    number_text(zero.foot_tilt, 0)));
   }
   const double aside = std::min(std::abs(found.forward.x()), std::abs(found.forward.y()));
   if (aside > kOblique) {
@@ -135,6 +146,25 @@ void doubt_limbs(const Robot& robot, RobotAnatomy& found) {
                                          upper_is_short ? lower : upper, joint, middle));
     }
   }
+}
+
+void doubt_sides(RobotAnatomy& found) {
+  constexpr double kUnequal = 0.03;  // Fraction of the longer segment.
+  std::vector<std::string> unequal;
+  const auto compare = [&](const std::string& segment, double left, double right) {
+    if (std::abs(left - right) <= kUnequal * std::max(left, right)) return;
+    unequal.push_back(
+        fmt::format("{} {} and {} m", segment, number_text(left, 3), number_text(right, 3)));
+  };
+  if (found.has_legs) {
+    compare("thighs", found.legs[0].upper_length, found.legs[1].upper_length);
+    compare("shins", found.legs[0].lower_length, found.legs[1].lower_length);
+  }
+  compare("upper arms", found.arms[0].upper_length, found.arms[1].upper_length);
+  compare("forearms", found.arms[0].lower_length, found.arms[1].lower_length);
+  if (unequal.empty()) return;
+  found.doubts.push_back("limbs of left and right differ in length: " +
+                         list_names(unequal, unequal.size()));
 }
 
 }  // namespace retarget

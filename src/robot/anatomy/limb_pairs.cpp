@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "base/option_name.h"
@@ -51,7 +52,10 @@ class PairFinder {
   Result<void> choose_arms();
   [[nodiscard]] bool is_round(int joint) const;
   [[nodiscard]] bool stands_on_wheels() const;
+  [[nodiscard]] bool lies() const;
+  [[nodiscard]] Failure not_upright() const;
   [[nodiscard]] Failure no_middle(int first, bool is_leg) const;
+  [[nodiscard]] bool turns_beyond_shoulder(const LimbShape& arm) const;
   [[nodiscard]] bool is_wrist(const LimbShape& arm) const;
   Result<ShapedPair> shape(const BranchPair& pair, bool is_leg) const;
   [[nodiscard]] int body_of(int link) const { return robot_.tree().links()[link].body; }
@@ -103,6 +107,12 @@ bool PairFinder::stands_on_wheels() const {
          is_round(lowest);
 }
 
+Failure PairFinder::not_upright() const {
+  return no_legs_failure(file_,
+                         "the model does not stand upright along z in its zero configuration",
+                         "turn its root body, for example if it stands along y");
+}
+
 // Explains why a branch is not a limb: names the joint at the position of its knee or elbow.
 Failure PairFinder::no_middle(int first, bool is_leg) const {
   const std::vector<int> chain = joint_chain(robot_, first);
@@ -126,12 +136,43 @@ Failure PairFinder::no_middle(int first, bool is_leg) const {
                   : ", and that the arm's end is identifiable by a hand or the forearm's mass"));
 }
 
-// Returns true if a name says that the middle joint is not an elbow and the part that it
-// bends is short.
+// Returns true if the upper arm contains a joint beyond the shoulder: one that only repeats the
+// twist of the joint before it, or one after three joints whose axis does not pass their meeting
+// point. Both are forearm joints of an arm whose elbow does not move.
+bool PairFinder::turns_beyond_shoulder(const LimbShape& arm) const {
+  constexpr std::size_t kShoulder = 3;
+  constexpr double kParallel = 0.99;  // Cosine.
+  constexpr double kSame = 0.1;       // Fraction of the upper arm.
+  constexpr double kApart = 0.35;     // Likewise.
+  const std::span<const int> joints(arm.joints);
+  const double upper = (arm.bend - arm.root).norm();
+  const auto distance = [&](int joint, const Eigen::Vector3d& point) {
+    return (point - posed_.anchor(joint)).cross(posed_.axis(joint)).norm();
+  };
+  for (std::size_t i = 2; i + arm.at_root < static_cast<std::size_t>(arm.middle); ++i) {
+    const int joint = joints[i], before = joints[i - 1];
+    const bool repeats = std::abs(posed_.axis(joint).dot(posed_.axis(before))) > kParallel &&
+                         distance(before, posed_.anchor(joint)) < kSame * upper;
+    const bool apart =
+        i >= kShoulder && distance(joint, common_point(posed_, joints.first(i))) > kApart * upper;
+    if (repeats || apart) return true;
+  }
+  return false;
+}
+
+// Returns true if the middle joint is not an elbow: it is named as another joint and the part that
+// it bends is short or of unknown length, or this part is of unknown length and the upper arm
+// contains joints of a forearm.
 bool PairFinder::is_wrist(const LimbShape& arm) const {
   constexpr double kShort = 0.4;
   const double upper = (arm.bend - arm.root).norm(), lower = (arm.end - arm.bend).norm();
-  return lower < kShort * upper && middle_vote_of_names(robot_, arm.joints[arm.middle], false) < 0;
+  const int middle = arm.joints[arm.middle];
+  const bool named = middle_vote_of_names(robot_, middle, false) < 0;
+  if (named && lower < kShort * upper) return true;
+  if (!arm.end_is_estimated) return false;
+  // The body beyond an elbow may be named as the hand, the joint may not.
+  const bool joint_is_named = named && middle_vote_of_name(robot_.joints()[middle].name, false) < 0;
+  return joint_is_named || turns_beyond_shoulder(arm);
 }
 
 Result<ShapedPair> PairFinder::shape(const BranchPair& pair, bool is_leg) const {
@@ -168,9 +209,28 @@ Result<ShapedPair> PairFinder::shape(const BranchPair& pair, bool is_leg) const 
   return shaped;
 }
 
+// Returns true if legs and arms mirror each other once the robot is turned to stand along z.
+bool PairFinder::lies() const {
+  const double quarter = 0.5 * std::numbers::pi;
+  const Pose& base = posed_.world_from_body(robot_.root_body());
+  for (const Eigen::Vector3d& turn :
+       {Eigen::Vector3d(quarter, 0, 0), Eigen::Vector3d(-quarter, 0, 0),
+        Eigen::Vector3d(0, quarter, 0), Eigen::Vector3d(0, -quarter, 0)}) {
+    const Eigen::Quaterniond turned = exp_so3(turn) * base.rotation;
+    std::vector<double> qpos = reference_;
+    qpos[3] = turned.w();
+    for (int i = 0; i < 3; ++i) qpos[4 + i] = turned.vec()[i];
+    const TreeState standing(robot_.tree(), qpos);
+    const std::vector<BranchPair> pairs = branch_pairs(robot_, standing);
+    if (pairs.size() > 1 && !missing_counterpart(robot_, standing, pairs)) return true;
+  }
+  return false;
+}
+
 Result<void> PairFinder::check_counterparts(const std::vector<BranchPair>& pairs) const {
   const auto missing = missing_counterpart(robot_, posed_, pairs);
   if (!missing) return {};
+  if (!robot_.fixed_base() && lies()) return not_upright();
   return config_failure(file_, missing->fault, missing->hint);
 }
 
@@ -217,8 +277,7 @@ Result<void> PairFinder::choose_pairs() {
   found_.lean = kPerRadian *
                 angle_between(middle(found_.arms) - middle(found_.legs), Eigen::Vector3d::UnitZ());
   if (found_.lean > kLying || !(found_.legs.limbs[0].root.z() > found_.legs.limbs[0].end.z())) {
-    return no_legs_failure(file_,
-                           "the model does not stand upright along z in its zero configuration");
+    return not_upright();
   }
   return {};
 }

@@ -106,8 +106,11 @@ struct MiddleJoint {
 /// cannot aim the limb; for a small joint range; and for a segment with almost no mass.
 [[nodiscard]] double plausibility(const Robot& robot, const MiddleJoint& middle);
 
-/// Classifies a joint by its name and its body's name: +1 a knee or elbow, -1 another part of the
-/// limb, 0 unknown.
+/// Classifies a joint or body by its name: +1 a knee or elbow, -1 another part of the limb, 0
+/// unknown.
+[[nodiscard]] int middle_vote_of_name(const std::string& any_case, bool is_leg);
+
+/// Classifies a joint by its name and its body's name, likewise.
 [[nodiscard]] int middle_vote_of_names(const Robot& robot, int joint, bool is_leg);
 
 /// Limbs that the names of a joint and its body mention.
@@ -119,6 +122,7 @@ struct LimbNames {
 /// Observations in the zero configuration.
 struct ZeroPose {
   double lean = 0.0;       ///< Lean of the line from hips to shoulders, degrees.
+  double foot_tilt = 0.0;  ///< Largest angle between a foot's underside and the floor, degrees.
   std::optional<int> toe;  ///< Joint excluded at the end of the left leg, if any.
 };
 
@@ -128,5 +132,8 @@ void note_limbs(const Robot& robot, const ZeroPose& zero, RobotAnatomy& found);
 /// Adds ambiguous knees and elbows to RobotAnatomy::doubts: another joint fits nearly as well, or
 /// one segment is shorter than 0.4 of the other.
 void doubt_limbs(const Robot& robot, RobotAnatomy& found);
+
+/// Adds limb segments whose lengths differ between left and right to RobotAnatomy::doubts.
+void doubt_sides(RobotAnatomy& found);
 
 }  // namespace retarget

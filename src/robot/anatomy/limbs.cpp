@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "base/try.h"
 #include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/anatomy/branches.h"
 #include "robot/anatomy/limb_shape.h"
+#include "robot/anatomy/underside.h"
 
 namespace retarget {
 namespace {
@@ -114,6 +117,7 @@ class LimbFinder {
   void set_end(Limb& limb, const LimbShape& shape, bool is_leg) const;
   [[nodiscard]] Eigen::Matrix3d in_body(int body, const Eigen::Matrix3d& world_from_bone) const;
   [[nodiscard]] std::optional<LimbPart> head() const;
+  [[nodiscard]] double foot_tilt_degrees() const;
   [[nodiscard]] Result<void> check_lean() const;
   [[nodiscard]] Result<void> check_sides(const std::array<LimbShape, 2>& limbs) const;
   [[nodiscard]] Failure no_ankles() const;
@@ -207,6 +211,12 @@ void LimbFinder::set_end(Limb& limb, const LimbShape& shape, bool is_leg) const 
   }
   end.body_from_bone = in_body(end.body, world_from_bone);
   end.joint = posed_.world_from_body(end.body).inverse() * shape.end;
+  if (is_leg) {
+    const double leg_length = limb.upper_length + limb.lower_length;
+    const auto balls = foot_balls(contact_shapes(robot_), posed_, end.body);
+    end.body_from_bone =
+        foot_tilt(balls, end.body_from_bone, leg_length).toRotationMatrix() * end.body_from_bone;
+  }
   limb.end = end;
 }
 
@@ -265,6 +275,18 @@ std::optional<LimbPart> LimbFinder::head() const {
     }
   }
   return best;
+}
+
+// Returns the angle by which the feet are off level in the zero configuration; 0 without legs.
+double LimbFinder::foot_tilt_degrees() const {
+  double largest = 0.0;
+  for (const Limb& leg : found_.legs) {
+    if (!leg.end) continue;
+    const Eigen::Vector3d up =
+        posed_.world_from_body(leg.end->body).rotation * leg.end->body_from_bone.col(1);
+    largest = std::max(largest, angle_between(up, Eigen::Vector3d::UnitZ()));
+  }
+  return largest * (180.0 / std::numbers::pi);
 }
 
 // A robot that leans far is accepted if its limbs and facing are unambiguous.
@@ -334,9 +356,10 @@ Result<RobotAnatomy> LimbFinder::find() {
     return no_ankles();
   }
   found_.head = head();
-  note_limbs(robot_, {lean_, legs_.limbs[0].toe}, found_);
+  note_limbs(robot_, {lean_, foot_tilt_degrees(), legs_.limbs[0].toe}, found_);
   doubt_limbs(robot_, found_);
   TRY(check_lean());
+  doubt_sides(found_);
   return found_;
 }
 

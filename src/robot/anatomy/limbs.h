@@ -58,7 +58,7 @@ struct RobotAnatomy {
   Eigen::Vector3d left = Eigen::Vector3d::UnitY();
   bool facing_is_sure = true;
   std::vector<std::string> notes;   ///< Human-readable: unusual decisions.
-  std::vector<std::string> doubts;  ///< Human-readable: ambiguous limbs.
+  std::vector<std::string> doubts;  ///< Human-readable: ambiguous limbs, unequal sides.
 };
 
 /// A Limb::clarity below this raises a warning: another joint fits nearly as well.
@@ -70,7 +70,8 @@ inline constexpr double kClearMiddle = 0.3;
 
 /// Finds pelvis, torso, legs, arms and head from the tree and the positions of joints and axes;
 /// names only contribute to the choice of the left side. The reference configuration must stand
-/// upright along z.
+/// upright along z. Feet whose contact geoms are not level in it get the direction of their
+/// underside (foot_tilt).
 ///
 /// The legs are the mirrored pair of branches that reaches lowest; the arms are the remaining pair
 /// with the most joints. The knee or elbow of a branch is the hinge that best splits its joints

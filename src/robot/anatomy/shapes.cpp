@@ -12,6 +12,7 @@
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "retarget/so3.h"
+#include "robot/anatomy/underside.h"
 #include "robot/model/load_model.h"
 #include "robot/model/model_meshes.h"
 #include "robot/model/model_values.h"
@@ -83,6 +84,7 @@ class ShapeFinder {
   const MeshPoints& mesh_files_;
   const KinematicTree& tree_;
   TreeState posed_;
+  bool touches_edge_ = false;  // Whether a foot with known shapes has no flat underside.
   RobotShapes found_;
 };
 
@@ -120,23 +122,8 @@ bool ShapeFinder::is_covered(int body, std::span<const Eigen::Vector3d> points,
 }
 
 void ShapeFinder::keep_model_shapes() {
-  for (const CollisionShape& shape : robot_.collision_shapes()) {
+  for (const CollisionShape& shape : contact_shapes(robot_)) {
     found_.shapes.push_back({shape, ShapeSource::kModel});
-  }
-  const mjModel* model = robot_.model();
-  for (int g = 0; g < model->ngeom; ++g) {
-    const bool touches = model->geom_contype[g] != 0 || model->geom_conaffinity[g] != 0;
-    const int body = model->geom_bodyid[g];
-    const bool of_robot = model->body_rootid[body] == robot_.root_body();
-    if (!touches || !of_robot || model->geom_type[g] != mjGEOM_CYLINDER) continue;
-    CollisionShape capsule;
-    capsule.type = Type::kCapsule;
-    capsule.body = body;
-    capsule.radius = model->geom_size[3 * g];
-    capsule.half_length = std::max(model->geom_size[3 * g + 1] - capsule.radius, 0.0);
-    if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
-    capsule.body_from_shape = pose_at(model->geom_pos, model->geom_quat, g);
-    found_.shapes.push_back({capsule, ShapeSource::kModel});
   }
 }
 
@@ -210,17 +197,11 @@ void ShapeFinder::estimate_segments() {
 std::vector<Eigen::Vector3d> ShapeFinder::foot_points(const LimbPart& foot) const {
   const Eigen::Vector3d up = foot.body_from_bone.col(1);
   std::vector<Eigen::Vector3d> points;
-  const Pose foot_from_world = posed_.world_from_body(foot.body).inverse();
-  for (const int part : tree_.rigid_group(foot.body)) {
-    const Pose foot_from_part = foot_from_world * posed_.world_from_body(part);
-    for (const RoughShape& rough : found_.shapes) {
-      if (rough.shape.body != part || rough.source != ShapeSource::kModel) continue;
-      for (const Eigen::Vector3d& point : core_points(rough.shape)) {
-        points.push_back(foot_from_part * point - rough.shape.radius * up);
-      }
-    }
+  for (const FootBall& ball : foot_balls(contact_shapes(robot_), posed_, foot.body)) {
+    points.emplace_back(ball.centre - ball.radius * up);
   }
   if (!points.empty()) return points;
+  const Pose foot_from_world = posed_.world_from_body(foot.body).inverse();
   for (const int part : tree_.rigid_group(foot.body)) {
     if (static_cast<std::size_t>(part) >= mesh_.size()) continue;
     const Pose foot_from_part = foot_from_world * posed_.world_from_body(part);
@@ -236,7 +217,7 @@ void ShapeFinder::find_sole(std::size_t side) {
   Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY);
   Eigen::Vector3d upper = -lower;
   double lowest = INFINITY;
-  const double level = 0.01 * leg_length();
+  const double level = kSoleLayer * leg_length();
   std::vector<Eigen::Vector3d> touching;  // Forward, up, right.
   for (const Eigen::Vector3d& point : points) {
     lowest = std::min(lowest, (axes.transpose() * (point - foot.joint)).y());
@@ -248,7 +229,7 @@ void ShapeFinder::find_sole(std::size_t side) {
     lower = lower.cwiseMin(local);
     upper = upper.cwiseMax(local);
   }
-  const bool is_area = points.size() >= 3 && upper.x() - lower.x() > 0.05 * leg_length();
+  const bool is_area = points.size() >= 3 && upper.x() - lower.x() > kLeastSole * leg_length();
   const bool of_model = std::ranges::any_of(found_.shapes, [&](const RoughShape& rough) {
     return tree_.carrier(rough.shape.body) == foot.body && rough.source == ShapeSource::kModel;
   });
@@ -256,6 +237,7 @@ void ShapeFinder::find_sole(std::size_t side) {
     // The foot is unknown, or touches the floor in a point or a line.
     const double length = kFootLength * leg_length();
     if (points.empty()) lowest = -kAnkleHeight * leg_length();
+    if (!points.empty()) touches_edge_ = true;
     lower = {-kHeelShare * length, lowest, -0.5 * kFootWidth * leg_length()};
     upper = {(1.0 - kHeelShare) * length, lowest, 0.5 * kFootWidth * leg_length()};
     found_.sole_source = ShapeSource::kEstimated;
@@ -290,7 +272,11 @@ RobotShapes ShapeFinder::find() {
   estimate_segments();
   for (std::size_t side = 0; side < 2 && limbs_.has_legs; ++side) find_sole(side);
   found_.sole_note = limbs_.has_legs ? source_text(found_.sole_source) : "none (fixed base)";
-  if (found_.sole_source == ShapeSource::kEstimated && mesh_files_.absent > 0) {
+  if (touches_edge_) {
+    found_.sole_note +=
+        " (in the zero configuration the shapes of a foot touch the floor only in a point or a "
+        "line)";
+  } else if (found_.sole_source == ShapeSource::kEstimated && mesh_files_.absent > 0) {
     found_.sole_note +=
         fmt::format(" ({} of {} mesh files of the model {} missing or unreadable, such as {})",
                     mesh_files_.absent, mesh_files_.named, mesh_files_.absent == 1 ? "is" : "are",

@@ -57,7 +57,8 @@ struct RobotShapes {
 /// A body without any gets up to three capsules around its mesh, a foot a box, the trunk whichever
 /// has less volume. Without meshes, limb segments and feet get shapes of human proportions. Shapes
 /// of bodies fixed to a body count as its own where they cover its mesh or segment. A sole is the
-/// lowest part of a level foot, as four points: the touching points nearest to its corners.
+/// lowest part of a level foot (RobotAnatomy::legs), as four points: the touching points nearest to
+/// its corners.
 [[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs,
                                       const MeshPoints& mesh);
 

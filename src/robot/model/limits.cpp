@@ -21,7 +21,44 @@ bool is_range(const nlohmann::ordered_json& json) {
          std::isfinite(json[0].get<double>()) && std::isfinite(json[1].get<double>());
 }
 
+bool is_limited(const LimitSet& set, std::size_t joint) {
+  return std::isfinite(set.lower[joint]) && std::isfinite(set.upper[joint]);
+}
+
+// Describes ranges that look like degrees; empty if there are none. A set may give wide ranges to
+// single joints that the model does not limit, such as wheels.
+std::string degrees_text_of(const LimitSet& set, const Robot& robot) {
+  constexpr std::size_t kEnough = 6;
+  std::vector<std::string> wide;
+  std::size_t limited = 0;
+  double widest = 0.0;
+  bool contradicts_model = false;
+  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+    if (robot.joints()[j].type != RobotJoint::Type::kHinge || !is_limited(set, j)) continue;
+    ++limited;
+    const bool is_wide =
+        looks_like_degrees(robot, j, set.lower[j]) || looks_like_degrees(robot, j, set.upper[j]);
+    if (!is_wide) continue;
+    wide.push_back("\"" + robot.joints()[j].name + "\"");
+    widest = std::max({widest, std::abs(set.lower[j]), std::abs(set.upper[j])});
+    contradicts_model = contradicts_model || is_limited(robot.model_limits(), j);
+  }
+  const bool most = wide.size() >= kEnough && 2 * wide.size() > limited;
+  if (!contradicts_model && !most) return {};
+  return fmt::format("ranges reach {} rad, which looks like degrees: {}; write them in radians",
+                     number_text(widest, 0), list_names(wide, 6));
+}
+
 }  // namespace
+
+bool looks_like_degrees(const Robot& robot, std::size_t joint, double position) {
+  constexpr double kWide = 10.0;  // Radians.
+  if (robot.joints()[joint].type != RobotJoint::Type::kHinge) return false;
+  const LimitSet& own = robot.model_limits();
+  const bool in_range =
+      is_limited(own, joint) && position >= own.lower[joint] && position <= own.upper[joint];
+  return std::abs(position) > kWide && !in_range;
+}
 
 LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot,
                           const std::string& what, Faults& faults) {
@@ -48,6 +85,8 @@ LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot
       set.upper[*joint] = range[1].get<double>();
     }
   }
+  const std::string degrees = degrees_text_of(set, robot);
+  if (!degrees.empty()) faults.add(what + ": " + degrees);
   return set;
 }
 
@@ -78,6 +117,8 @@ Result<LimitSet> limits_from_model(const Robot& robot, const std::string& path) 
     return config_failure(path, "the model has none of the joints in " + robot.name(),
                           "its joints are " + list_names(other_names));
   }
+  const std::string degrees = degrees_text_of(set, robot);
+  if (!degrees.empty()) return config_failure(path, degrees);
   return set;
 }
 

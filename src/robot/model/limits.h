@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -14,6 +15,11 @@ namespace retarget {
 /// @param what  describes the ranges in error messages.
 [[nodiscard]] LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot,
                                         const std::string& what, Faults& faults);
+
+/// Whether a position of a hinge looks like degrees: more than 1.5 turns from zero, and not in a
+/// range that the model itself states.
+/// @param joint  index into Robot::joints().
+[[nodiscard]] bool looks_like_degrees(const Robot& robot, std::size_t joint, double position);
 
 /// Minimum distance of a motion from its joint limits.
 struct LimitDistance {

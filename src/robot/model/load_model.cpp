@@ -128,26 +128,22 @@ void add_references(const mjModel& model, std::map<std::string, JointCoupling>& 
   }
 }
 
-std::string negligible(const std::string& what, std::vector<std::string> bodies) {
-  for (std::string& body : bodies) body = "\"" + body + "\"";
-  return what + list_names(bodies, 4) + ": replaced by a negligible value";
-}
-
-// Compiles the model. Replaces masses and inertias that MuJoCo rejects and adds a warning, because
-// they affect the dynamics metrics.
-ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
+// Compiles the model, with changed masses and inertias if MuJoCo rejects those given.
+// @param repaired  the bodies with changed masses or inertias, by name
+ModelPtr compile(mjSpec* spec, const MessageGuard& guard, std::vector<std::string>& repaired,
                  std::size_t& errors) {
+  repaired = repair_negative_inertials(spec);
   ModelPtr model(mj_compile(spec, nullptr));
   if (model) return model;
   const std::string said = mjs_getError(spec);
   if (said.find("inertia") == std::string::npos && said.find("mass") == std::string::npos) {
     return model;
   }
-  const std::vector<std::string> bodies = repair_inertias(spec);
-  if (bodies.empty()) return model;
+  const std::vector<std::string> degenerate = repair_degenerate_inertias(spec);
+  if (degenerate.empty()) return model;
+  repaired.insert(repaired.end(), degenerate.begin(), degenerate.end());
   errors = guard.errors().size();
   model.reset(mj_compile(spec, nullptr));
-  loaded.warnings.push_back(negligible("invalid mass or inertia of ", bodies));
   return model;
 }
 
@@ -191,17 +187,28 @@ bool all_finite(const mjtNum* values, int count) {
   return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
 }
 
+// Whether the bounds of a range are numbers: finite ones, or any if the range does not limit.
+bool has_numbers(const mjtNum* range, bool limits) {
+  return limits ? all_finite(range, 2) : !std::isnan(range[0]) && !std::isnan(range[1]);
+}
+
 Result<void> check_numbers(const mjModel& model, const std::string& path) {
   const std::string not_finite = " has a number that is not finite";
   for (int b = 0; b < model.nbody; ++b) {
-    if (!all_finite(model.body_pos + 3 * b, 3) || !all_finite(model.body_quat + 4 * b, 4)) {
+    const bool placed =
+        all_finite(model.body_pos + 3 * b, 3) && all_finite(model.body_quat + 4 * b, 4);
+    // The inertial may come from geoms.
+    const bool weighed = std::isfinite(model.body_mass[b]) &&
+                         all_finite(model.body_inertia + 3 * b, 3) &&
+                         all_finite(model.body_ipos + 3 * b, 3);
+    if (!placed || !weighed) {
       return config_failure(path, "the body " + quoted_name(model, mjOBJ_BODY, b) + not_finite);
     }
   }
   for (int j = 0; j < model.njnt; ++j) {
     const bool finite = all_finite(model.jnt_pos + 3 * j, 3) &&
                         all_finite(model.jnt_axis + 3 * j, 3) &&
-                        (model.jnt_limited[j] == 0 || all_finite(model.jnt_range + 2 * j, 2)) &&
+                        has_numbers(model.jnt_range + 2 * j, model.jnt_limited[j] != 0) &&
                         std::isfinite(model.qpos0[model.jnt_qposadr[j]]);
     if (!finite) {
       return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) + not_finite);
@@ -308,14 +315,20 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
     loaded.held = hold_loose_balls(spec.get());
     float_base(spec.get(), loaded);
   }
+  if (const auto body = body_with_infinite_inertial(spec.get())) {
+    return config_failure(
+        path, "the mass or inertia of the body \"" + *body + "\" has a number that is not finite");
+  }
   std::size_t errors = 0;  // Number of errors that were repaired.
-  loaded.model = compile(spec.get(), guard, loaded, errors);
+  std::vector<std::string> repaired;
+  loaded.model = compile(spec.get(), guard, repaired, errors);
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
-  if (const auto bodies = massless_bodies(spec.get(), *loaded.model); !bodies.empty()) {
-    loaded.warnings.push_back(negligible("no mass of the moving bodies ", bodies));
-  }
+  const bool is_urdf = std::filesystem::path(path).extension() == ".urdf";
+  const auto locked = lock_single_positions(spec.get(), *loaded.model, is_urdf);
+  const auto notes = notes_about_inertials(spec.get(), *loaded.model, repaired);
+  loaded.warnings.insert(loaded.warnings.end(), notes.begin(), notes.end());
   add_references(*loaded.model, loaded.couplings);
   // MuJoCo ignores <mimic> elements.
   for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);
@@ -326,6 +339,10 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
       mjs_isWarning(spec.get()) != 0 ? one_line(mjs_getError(spec.get())) : std::string();
   if (!warning.empty() && std::ranges::find(loaded.warnings, warning) == loaded.warnings.end()) {
     loaded.warnings.push_back(warning);
+  }
+  for (const std::string& joint : locked) {
+    std::erase(loaded.warnings,
+               "joint '" + joint + "' has equal lower and upper limits, limit ignored");
   }
   return loaded;
 }

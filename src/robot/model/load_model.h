@@ -52,10 +52,10 @@ struct ModelChanges {
 
 /// Compiles an MJCF (or URDF) file without its meshes and other assets, for kinematics.
 ///
-/// Bodies whose mass or inertia MuJoCo rejects, and moving bodies without a mass, get a negligible
-/// one, with a warning. Nothing is printed. Accepts any model, not only robots; non-finite numbers
-/// and ranges whose lower end exceeds the upper are errors. Thread-safe; concurrent calls are
-/// serialised.
+/// Bodies with an impossible mass or inertia, and moving bodies without a mass, get a negligible or
+/// balanced one, with a warning. A joint whose range is a single position other than 0 is limited
+/// to it. Nothing is printed. Accepts any model, not only robots; non-finite numbers and ranges
+/// whose lower end exceeds the upper are errors. Thread-safe; concurrent calls are serialised.
 [[nodiscard]] Result<LoadedModel> load_model(const std::string& path,
                                              const ModelChanges& changes = {});
 

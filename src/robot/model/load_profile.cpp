@@ -1,16 +1,23 @@
 #include "robot/model/load_profile.h"
 
 #include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <map>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "base/faults.h"
 #include "base/json.h"
 #include "base/try.h"
+#include "retarget/enum_names.h"
 #include "retarget/file.h"
+#include "retarget/text.h"
+#include "robot/model/couplings.h"
 #include "robot/model/limits.h"
 
 namespace retarget {
@@ -49,11 +56,27 @@ const std::vector<std::string> kVariantKeys = {"description", "locked", "model",
                                                "anchors"};
 const std::vector<std::string> kSetKeys = {"source", "ranges"};
 const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
-const std::vector<std::string> kCouplingKeys = {"joint", "ratio", "offset"};
 const std::vector<std::string> kSideNames = {"left", "right"};
 
 std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
+}
+
+// Whether a text is a date of the form YYYY-MM-DD.
+bool is_date(const std::string& text) {
+  if (text.size() != 10 || text[4] != '-' || text[7] != '-') return false;
+  const auto number_at = [&](std::size_t at, std::size_t length) {
+    int value = 0;
+    const char* const end = text.data() + at + length;
+    const auto [stop, error] = std::from_chars(text.data() + at, end, value);
+    return error == std::errc() && stop == end ? value : -1;
+  };
+  const int year = number_at(0, 4), month = number_at(5, 2), day = number_at(8, 2);
+  if (year < 0 || month < 0 || day < 0) return false;
+  return std::chrono::year_month_day(std::chrono::year(year),
+                                     std::chrono::month(static_cast<unsigned>(month)),
+                                     std::chrono::day(static_cast<unsigned>(day)))
+      .ok();
 }
 
 // Reads the parts of a profile and collects all faults.
@@ -81,7 +104,7 @@ class ProfileReader {
     profile_.source = members_.text("source");
     profile_.licence = members_.text("licence");
     profile_.revision = members_.text("revision");
-    profile_.revision_date = members_.text("revision_date");
+    read_revision_date();
     read_base();
     read_joint_order();
     read_limit_sets();
@@ -90,7 +113,8 @@ class ProfileReader {
     read_method_limits();
     read_speed_limits();
     read_actuators();
-    read_coupled_joints();
+    profile_.coupled_joints =
+        couplings_from_json(members_.object("coupled_joints"), bare_, faults_);
     profile_.t_pose = joint_positions(members_.object("t_pose"), "\"t_pose\"");
     read_soles();
     read_allowed_self_contact();
@@ -119,6 +143,13 @@ class ProfileReader {
     faults_.add(what + ": the model has no joint " + quoted(name) +
                 faults_.suggestion(name, joint_names_));
     return false;
+  }
+
+  void read_revision_date() {
+    const std::string date = members_.text("revision_date");
+    profile_.revision_date = date;
+    if (date.empty() || is_date(date)) return;
+    faults_.add("\"revision_date\" must be a date YYYY-MM-DD, found " + quoted(date));
   }
 
   void read_joint_order() {
@@ -164,7 +195,12 @@ class ProfileReader {
   }
 
   void read_method_limits() {
+    const std::vector<std::string> methods = enum_names<Method>();
     for (const auto& [method, set] : members_.object("method_limits").items()) {
+      if (std::ranges::find(methods, method) == methods.end()) {
+        faults_.add("\"method_limits\": no method " + quoted(method) + "; the methods are " +
+                    list_names(methods));
+      }
       const std::string name = name_in(set);
       check_set(name, "\"method_limits\" of " + quoted(method));
       profile_.method_limits[method] = name;
@@ -193,34 +229,6 @@ class ProfileReader {
     profile_.rotor_inertias = positive_by_joint("rotor_inertias");
   }
 
-  void read_coupled_joints() {
-    for (const auto& [name, entry] : members_.object("coupled_joints").items()) {
-      const std::string what = "\"coupled_joints\" of " + quoted(name);
-      if (!is_joint(name, "\"coupled_joints\"")) continue;
-      if (!entry.is_object()) {
-        faults_.add(what + " must be {\"joint\": name, \"ratio\": number, \"offset\": number}");
-        continue;
-      }
-      const JsonMembers members(entry, faults_, what + ": ");
-      members.check_keys(kCouplingKeys);
-      JointCoupling coupling;
-      coupling.leader = members.text("joint");
-      if (!is_joint(coupling.leader, what)) continue;
-      if (coupling.leader == name) faults_.add(what + ": a joint cannot be coupled to itself");
-      coupling.ratio = number(entry, "ratio", 1.0, what);
-      coupling.offset = number(entry, "offset", 0.0, what);
-      profile_.coupled_joints[name] = coupling;
-    }
-  }
-
-  double number(const Json& entry, const char* key, double none, const std::string& what) {
-    const auto found = entry.find(key);
-    if (found == entry.end()) return none;
-    if (found->is_number() && std::isfinite(found->get<double>())) return found->get<double>();
-    faults_.add(what + ": " + quoted(key) + " must be a number, found " + short_text(*found));
-    return none;
-  }
-
   // Reads {joint: number above 0}.
   std::map<std::string, double> positive_by_joint(const std::string& key) {
     std::map<std::string, double> values;
@@ -232,7 +240,7 @@ class ProfileReader {
     return values;
   }
 
-  // Reads positions by joint, rad or m.
+  // Reads positions by joint, rad or m. Reports positions in degrees.
   std::map<std::string, double> joint_positions(const Json& json, const std::string& what) {
     std::map<std::string, double> positions;
     for (const auto& [name, value] : json.items()) {
@@ -242,6 +250,11 @@ class ProfileReader {
         continue;
       }
       positions[name] = value.get<double>();
+      const auto joint = static_cast<std::size_t>(bare_.find_joint(name).value());
+      if (looks_like_degrees(bare_, joint, positions[name])) {
+        faults_.add(what + " of " + quoted(name) + " is " + short_text(value) +
+                    " rad, which looks like degrees: write it in radians");
+      }
     }
     return positions;
   }
@@ -382,6 +395,11 @@ class ProfileReader {
 };
 
 }  // namespace
+
+bool states_fixed_base(const std::string& path) {
+  const auto json = load_json(path);
+  return json && json->is_object() && text_at(*json, "base") == "fixed";
+}
 
 Result<RobotProfile> load_profile(const std::string& path, const Robot& bare) {
   TRY_ASSIGN(const auto json, load_json(path));

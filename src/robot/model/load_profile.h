@@ -7,6 +7,10 @@
 
 namespace retarget {
 
+/// Whether a profile states a fixed base, which must be known before its robot is loaded. False if
+/// the file cannot be read; load_profile reports its faults.
+[[nodiscard]] bool states_fixed_base(const std::string& path);
+
 /// Reads a profile (robot.json; load_robot.h describes its keys) for a model that is already
 /// loaded. Reports all faults together.
 /// @param bare  the robot of the model without a profile: body names, joint names, ranges.

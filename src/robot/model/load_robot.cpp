@@ -235,24 +235,11 @@ Result<std::vector<KnownRobot>> known_robots(const RobotFolders& folders) {
   return known;
 }
 
-namespace {
-
-// Reads only "base" from a profile, which must be known before the robot is loaded. Faults of the
-// file are reported later, when the whole profile is read.
-bool says_fixed_base(const std::string& profile_path) {
-  if (profile_path.empty()) return false;
-  const auto json = load_json(profile_path);
-  if (!json || !json->is_object()) return false;
-  const auto base = json->find("base");
-  return base != json->end() && *base == "fixed";
-}
-
-}  // namespace
-
 Result<std::shared_ptr<const Robot>> load_robot_files(const std::string& model_path,
                                                       const std::string& profile_path,
                                                       RobotBase base) {
-  const bool fixed = base == RobotBase::kFixed || says_fixed_base(profile_path);
+  const bool fixed =
+      base == RobotBase::kFixed || (!profile_path.empty() && states_fixed_base(profile_path));
   ModelChanges changes;
   changes.float_base = fixed;
   TRY_ASSIGN(auto loaded, load_model(model_path, changes));

@@ -48,15 +48,32 @@ class ModelRepair {
 /// Returns the elements of a kind, in order; elements may be deleted while iterating over the list.
 [[nodiscard]] std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind);
 
-/// Gives bodies whose masses MuJoCo rejects (negative, not finite, an inertia without positive
-/// principal moments: dummies, rods, export errors) small ones, which do not affect kinematics.
+/// Gives bodies with a negative mass or moment of inertia small ones, which do not affect
+/// kinematics. MuJoCo would reject them, or replace them without a message.
 /// @return the names of those bodies.
-std::vector<std::string> repair_inertias(mjSpec* spec);
+std::vector<std::string> repair_negative_inertials(mjSpec* spec);
 
-/// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them,
-/// for which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
+/// Gives bodies with an inertia matrix that MuJoCo rejects (without three positive principal
+/// moments: dummies, rods, export errors) a small one.
+/// @return the names of those bodies.
+std::vector<std::string> repair_degenerate_inertias(mjSpec* spec);
+
+/// Returns the first body whose given mass, inertia or centre of mass is not finite.
+[[nodiscard]] std::optional<std::string> body_with_infinite_inertial(mjSpec* spec);
+
+/// Returns notes about masses and inertias that a compiled model does not have as given, because
+/// they affect the dynamics metrics: repaired ones, zero and impossible inertias, which MuJoCo
+/// replaces without a message, and moving bodies without a mass (neither their own nor that of a
+/// body fixed to them).
 /// @param model  the compiled spec.
-[[nodiscard]] std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model);
+/// @param repaired  bodies with invalid masses or inertias, by name.
+[[nodiscard]] std::vector<std::string> notes_about_inertials(
+    mjSpec* spec, const mjModel& model, const std::vector<std::string>& repaired);
+
+/// Limits joints whose range is a single position other than 0 to it. MuJoCo leaves them unlimited.
+/// @param model  the compiled spec.
+/// @return the names of the joints.
+std::vector<std::string> lock_single_positions(mjSpec* spec, mjModel& model, bool is_urdf);
 
 /// Removes the joints that move a model's root through the world, if one of them is a slide: those
 /// of the topmost body and of the unbranched chain below it. The robot is the subtree with the most

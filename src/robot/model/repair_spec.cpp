@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <span>
 
+#include "retarget/text.h"
 #include "robot/model/model_values.h"
 
 namespace retarget {
@@ -42,25 +44,58 @@ mjsBody* only_child(mjsBody* body) {
   return mjs_asBody(first);
 }
 
-bool is_sound(const mjsBody& body) {
-  if (!std::isfinite(body.mass) || body.mass < 0.0) return false;
-  const auto finite = [](const double* values, int count) {
-    return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
-  };
-  if (!finite(body.inertia, 3) ||
-      std::ranges::any_of(body.inertia, [](double v) { return v < 0; })) {
+bool are_finite(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
+}
+
+// MuJoCo marks numbers that the model does not give with NaN.
+bool is_given(std::span<const double> values) {
+  return !std::isnan(values.front());
+}
+
+bool has_finite_inertial(const mjsBody& body) {
+  if (!std::isfinite(body.mass) || !are_finite(body.inertia) || !are_finite(body.iquat)) {
     return false;
   }
+  const bool has_place = is_given(body.ipos) || body.explicitinertial != 0;
+  return (!has_place || are_finite(body.ipos)) &&
+         (!is_given(body.fullinertia) || are_finite(body.fullinertia));
+}
+
+// Returns the moments of inertia that a model gives, in any order.
+Eigen::Vector3d principal_moments(const mjsBody& body) {
   const double* full = body.fullinertia;
-  // NaN means that no full inertia is given.
-  if (std::isnan(full[0])) return true;
-  if (!finite(full, 6)) return false;
+  if (!is_given(body.fullinertia)) return Eigen::Vector3d(body.inertia);
   Eigen::Matrix3d inertia;
   inertia << full[0], full[3], full[4], full[3], full[1], full[5], full[4], full[5], full[2];
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues();
+}
+
+bool has_negative_inertial(const mjsBody& body) {
+  return body.mass < 0.0 || principal_moments(body).minCoeff() < 0.0;
+}
+
+// MuJoCo rejects inertia matrices without three positive moments, but can raise a zero matrix to
+// its minimum.
+bool has_degenerate_inertia(const mjsBody& body) {
   constexpr double kLeast = 1e-12;  // Above MuJoCo's threshold for zero.
-  // MuJoCo can raise a zero inertia to its minimum.
-  if (inertia.norm() < kLeast) return true;
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues().minCoeff() > kLeast;
+  const Eigen::Vector3d moments = principal_moments(body);
+  return is_given(body.fullinertia) && moments.norm() >= kLeast && moments.minCoeff() <= kLeast;
+}
+
+template <typename Predicate>
+std::vector<std::string> replace_inertials(mjSpec* spec, Predicate is_faulty) {
+  constexpr double kSmall = 1e-6;
+  std::vector<std::string> replaced;
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    mjsBody& body = *mjs_asBody(element);
+    if (!is_faulty(body)) continue;
+    replaced.push_back(element_name(element));
+    if (body.mass < 0.0) body.mass = kSmall;
+    std::ranges::fill(body.fullinertia, std::numeric_limits<double>::quiet_NaN());
+    std::ranges::fill(body.inertia, kSmall);
+  }
+  return replaced;
 }
 
 std::optional<std::string> body_named(mjSpec* spec, mjtObj kind, const std::string& name) {
@@ -81,20 +116,60 @@ std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind) {
   return elements;
 }
 
-std::vector<std::string> repair_inertias(mjSpec* spec) {
-  constexpr double kSmall = 1e-6;
-  std::vector<std::string> repaired;
-  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
-    mjsBody& body = *mjs_asBody(element);
-    if (is_sound(body)) continue;
-    repaired.push_back(element_name(element));
-    if (!std::isfinite(body.mass) || body.mass < 0.0) body.mass = kSmall;
-    std::ranges::fill(body.fullinertia, std::numeric_limits<double>::quiet_NaN());
-    std::ranges::fill(body.inertia, kSmall);
-  }
-  return repaired;
+std::vector<std::string> repair_negative_inertials(mjSpec* spec) {
+  return replace_inertials(spec, has_negative_inertial);
 }
 
+std::vector<std::string> repair_degenerate_inertias(mjSpec* spec) {
+  return replace_inertials(spec, has_degenerate_inertia);
+}
+
+std::optional<std::string> body_with_infinite_inertial(mjSpec* spec) {
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    if (!has_finite_inertial(*mjs_asBody(element))) return element_name(element);
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+// Calls visit(name, given moments of inertia, those of the compiled model) for bodies with a mass.
+template <typename Visit>
+void visit_moments(mjSpec* spec, const mjModel& model, Visit visit) {
+  for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
+    const mjsBody& body = *mjs_asBody(element);
+    const int index = mjs_getId(element);
+    if (index <= 0 || index >= model.nbody || !(body.mass > 0.0)) continue;
+    visit(element_name(element), principal_moments(body), vector_at(model.body_inertia, index));
+  }
+}
+
+// Returns the bodies with a mass and a zero moment of inertia, which MuJoCo raises to the
+// compiler's smallest.
+std::vector<std::string> bodies_without_inertia(mjSpec* spec, const mjModel& model) {
+  const double least = spec->compiler.boundinertia;
+  std::vector<std::string> names;
+  visit_moments(spec, model, [&](const std::string& name, const auto& given, const auto& used) {
+    if (given.minCoeff() <= 0.0 && used.minCoeff() <= least) names.push_back(name);
+  });
+  return names;
+}
+
+// Returns the bodies whose moments of inertia no body can have: the largest exceeds the sum of the
+// others. MuJoCo replaces all three by their mean.
+std::vector<std::string> balanced_bodies(mjSpec* spec, const mjModel& model) {
+  constexpr double kEqual = 1e-6;  // Fraction of the largest moment.
+  std::vector<std::string> names;
+  visit_moments(spec, model, [&](const std::string& name, const auto& given, const auto& used) {
+    const bool is_impossible = 2.0 * given.maxCoeff() > given.sum() && given.minCoeff() > 0.0;
+    const bool is_balanced = used.maxCoeff() - used.minCoeff() <= kEqual * used.maxCoeff();
+    if (is_impossible && is_balanced) names.push_back(name);
+  });
+  return names;
+}
+
+// Returns the moving bodies without a mass, neither their own nor that of a body fixed to them,
+// for which the model has the compiler's smallest mass. Meshes that were deleted have no mass.
 std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
   const double least = spec->compiler.boundmass;
   std::vector<char> has_mass(static_cast<std::size_t>(model.nbody));
@@ -116,6 +191,46 @@ std::vector<std::string> massless_bodies(mjSpec* spec, const mjModel& model) {
     }
   }
   return names;
+}
+
+std::string quoted_list(std::vector<std::string> bodies) {
+  for (std::string& body : bodies) body = "\"" + body + "\"";
+  return list_names(bodies, 4);
+}
+
+}  // namespace
+
+std::vector<std::string> notes_about_inertials(mjSpec* spec, const mjModel& model,
+                                               const std::vector<std::string>& repaired) {
+  std::vector<std::string> notes;
+  const auto add = [&](const std::vector<std::string>& bodies, const std::string& fault,
+                       const std::string& remedy) {
+    if (!bodies.empty()) notes.push_back(fault + quoted_list(bodies) + ": " + remedy);
+  };
+  const std::string negligible = "replaced by a negligible value";
+  add(repaired, "invalid mass or inertia of ", negligible);
+  add(bodies_without_inertia(spec, model), "zero moments of inertia of ", negligible);
+  add(balanced_bodies(spec, model), "impossible inertia of ",
+      "the largest moment exceeds the sum of the others; replaced by their mean");
+  add(massless_bodies(spec, model), "no mass of the moving bodies ", negligible);
+  return notes;
+}
+
+std::vector<std::string> lock_single_positions(mjSpec* spec, mjModel& model, bool is_urdf) {
+  std::vector<std::string> locked;
+  for (mjsElement* element : elements_of(spec, mjOBJ_JOINT)) {
+    const mjsJoint& joint = *mjs_asJoint(element);
+    const bool turns = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
+    const int index = mjs_getId(element);
+    if (!turns || index < 0 || index >= model.njnt) continue;
+    // MuJoCo's reader of URDF turns such a limit off.
+    const bool may_limit = joint.limited == mjLIMITED_AUTO || is_urdf;
+    const mjtNum* range = model.jnt_range + 2 * static_cast<std::ptrdiff_t>(index);
+    if (!may_limit || range[0] != range[1] || range[0] == 0.0) continue;
+    model.jnt_limited[index] = 1;
+    locked.push_back(element_name(element));
+  }
+  return locked;
 }
 
 mjsBody* robot_base(mjSpec* spec) {

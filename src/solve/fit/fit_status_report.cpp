@@ -97,9 +97,13 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
   add_failures(parts, report);
   note_taken_back(parts, report);
   note_distrust(report);
-  const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
-  if (!all.converged) report.notes.push_back(not_converged(*worst));
   report.windows = std::move(parts);
+}
+
+std::string convergence_note(const FitReport& report) {
+  if (report.status.converged || report.windows.empty()) return {};
+  return not_converged(
+      *std::ranges::max_element(report.windows, {}, &FitStatus::predicted_decrease));
 }
 
 void report_terms(const FitClip& clip, const std::vector<TermCosts>& before,

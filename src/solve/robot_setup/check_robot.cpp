@@ -17,6 +17,7 @@
 #include "robot/anatomy/branches.h"
 #include "robot/anatomy/limbs.h"
 #include "robot/anatomy/overlaps.h"
+#include "solve/robot_setup/check_profile.h"
 #include "solve/robot_setup/derive_config.h"
 #include "solve/robot_setup/describe_robot.h"
 #include "solve/robot_setup/format_model.h"
@@ -43,7 +44,8 @@ const ConfigTask* task_of(const ResolvedConfig::Table& table, Bone bone) {
 
 class Doctor {
  public:
-  Doctor(const Robot& robot, const RetargetingConfig* config) : robot_(robot), config_(config) {}
+  Doctor(const Robot& robot, const RetargetingConfig* config, const UnreadFiles& unread)
+      : robot_(robot), config_(config), unread_(unread) {}
 
   std::vector<RobotFinding> examine();
 
@@ -58,8 +60,6 @@ class Doctor {
   void check_moved_joints();
   void check_sides_of_config();
   void check_sides_of_ranges();
-  void check_limit_sets();
-  void check_profile();
   void check_motion();
   [[nodiscard]] std::string body_name(const ConfigTask& task) const {
     return task.body < 0 ? std::string() : robot_.bodies()[task.body].name;
@@ -67,6 +67,7 @@ class Doctor {
 
   const Robot& robot_;
   const RetargetingConfig* config_;
+  const UnreadFiles unread_;
   std::optional<ResolvedConfig> resolved_;  // Set if the configuration is valid.
   std::optional<RobotAnatomy> limbs_;
   std::optional<TPose> t_pose_;
@@ -74,7 +75,10 @@ class Doctor {
 };
 
 void Doctor::check_config() {
-  if (config_ == nullptr) return note("there is no retargeting configuration (ik.json)");
+  if (config_ == nullptr) {
+    if (!unread_.config) note("there is no retargeting configuration (ik.json)");
+    return;
+  }
   auto resolved = resolve_config(*config_, robot_);
   if (resolved) {
     resolved_ = std::move(*resolved);
@@ -219,52 +223,6 @@ void Doctor::check_sides_of_ranges() {
   if (!odd.empty()) note("ranges of left and right are not mirror images: " + list_names(odd, 6));
 }
 
-void Doctor::check_limit_sets() {
-  constexpr double kTighter = 1e-3;
-  const LimitSet& model = robot_.model_limits();
-  for (const LimitSet& set : robot_.profile().limit_sets) {
-    int count = 0;
-    double max = 0.0;
-    std::string worst;
-    for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
-      const double tighter = std::max(set.lower[j] - model.lower[j], model.upper[j] - set.upper[j]);
-      if (!(tighter > kTighter) || set.lower[j] == set.upper[j]) continue;
-      ++count;
-      if (tighter <= max) continue;
-      max = tighter;
-      worst = robot_.joints()[j].name;
-    }
-    if (count == 0) continue;
-    note("limit set " + set.name + " is tighter than the model on " + std::to_string(count) +
-         " joints, most on " + worst +
-         (std::isfinite(max) ? " (" + number_text(rounded(max, 3)) + " rad)" : ""));
-  }
-}
-
-void Doctor::check_profile() {
-  const RobotProfile& profile = robot_.profile();
-  std::vector<std::string> missing;
-  for (const int joint : robot_.output_joints()) {
-    const std::string& name = robot_.joints()[joint].name;
-    if (!profile.speed_limits.contains(name)) missing.push_back(name);
-  }
-  if (!missing.empty()) {
-    note("no speed limit for " +
-         (missing.size() == robot_.output_joints().size() ? "any joint" : list_names(missing, 6)) +
-         ": " + number_text(profile.default_speed_limit) + " rad/s is used");
-  }
-  if (profile.soles.size() < 2 && !profile.fixed_base)
-    note("the soles are unknown (\"soles\" in robot.json)");
-  // An empty pose is the zero pose, which is the T-pose of some robots.
-  constexpr double kZero = 1e-3;
-  const auto is_moved = [&](const RobotJoint& joint) {
-    return std::abs(t_pose_->qpos[static_cast<std::size_t>(joint.qpos_address)]) > kZero;
-  };
-  if (profile.t_pose.empty() && limbs_ && std::ranges::any_of(robot_.joints(), is_moved)) {
-    note("the T-pose is unknown (\"t_pose\" in robot.json)");
-  }
-}
-
 void Doctor::check_motion() {
   const auto test = run_self_test(robot_, *limbs_, *resolved_);
   if (!test) return note("the self-test motion cannot be retargeted: " + test.error().message);
@@ -291,10 +249,13 @@ std::vector<RobotFinding> Doctor::examine() {
     check_sides_of_config();
     check_motion();
   }
-  if (resolved_) check_moved_joints();
+  if (resolved_ && !unread_.profile) check_moved_joints();
   if (limbs_) check_sides_of_ranges();
-  check_limit_sets();
-  check_profile();
+  if (!unread_.profile) {
+    auto found =
+        profile_findings(robot_, limbs_ ? &*limbs_ : nullptr, t_pose_ ? &*t_pose_ : nullptr);
+    findings_.insert(findings_.end(), found.begin(), found.end());
+  }
   std::ranges::stable_sort(findings_, std::ranges::greater(), &RobotFinding::fault);
   return findings_;
 }
@@ -322,8 +283,9 @@ std::vector<ModelOverlap> overlaps_of(const Robot& robot, const RobotAnatomy& li
 
 }  // namespace
 
-std::vector<RobotFinding> check_robot(const Robot& robot, const RetargetingConfig* config) {
-  return Doctor(robot, config).examine();
+std::vector<RobotFinding> check_robot(const Robot& robot, const RetargetingConfig* config,
+                                      const UnreadFiles& unread) {
+  return Doctor(robot, config, unread).examine();
 }
 
 std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& model_path) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "retarget/json.h"
 #include "retarget/load_robot.h"
 #include "retarget/make_robot.h"
 #include "retarget/retargeting_config.h"
@@ -14,6 +15,7 @@
 #include "retarget/try.h"
 #include "robot/anatomy/limbs.h"
 #include "robot/anatomy/shapes.h"
+#include "robot/model/load_profile.h"
 #include "robot/model/variant.h"
 #include "solve/robot_setup/check_robot.h"
 #include "solve/robot_setup/derive_config.h"
@@ -22,19 +24,30 @@
 namespace retarget {
 namespace {
 
-// Adds the findings about the robot with its configurations.
-void add_findings(const Robot& robot, const RobotSources& sources, OptionSpelling spelling,
-                  std::vector<RobotFinding>& findings) {
+std::vector<std::string> config_files(const RobotSources& sources) {
   std::vector<std::string> files = {sources.config};
   if (!sources.config_of_others.empty()) files.push_back(sources.config_of_others);
+  return files;
+}
+
+// Reads a configuration, or adds its error. Empty without a file.
+std::optional<RetargetingConfig> read_config(const std::string& file, OptionSpelling spelling,
+                                             std::vector<RobotFinding>& findings) {
+  if (file.empty()) return std::nullopt;
+  auto read = load_retargeting_config(file);
+  if (read) return std::move(*read);
+  findings.push_back({true, located_message(read.error(), spelling)});
+  return std::nullopt;
+}
+
+// Adds the findings about the robot with its configurations.
+void add_findings(const Robot& robot, const RobotSources& sources, bool profile_is_read,
+                  OptionSpelling spelling, std::vector<RobotFinding>& findings) {
+  const std::vector<std::string> files = config_files(sources);
   for (const std::string& file : files) {
-    std::optional<RetargetingConfig> config;
-    if (!file.empty()) {
-      auto read = load_retargeting_config(file);
-      if (!read) findings.push_back({true, describe(read.error(), spelling)});
-      if (read) config = std::move(*read);
-    }
-    for (RobotFinding& finding : check_robot(robot, config ? &*config : nullptr)) {
+    const auto config = read_config(file, spelling, findings);
+    const UnreadFiles unread{!profile_is_read, !config && !file.empty()};
+    for (RobotFinding& finding : check_robot(robot, config ? &*config : nullptr, unread)) {
       finding.text = spell_options(finding.text, spelling);
       if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
         continue;
@@ -84,6 +97,27 @@ Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
   return findings;
 }
 
+// Reports the error of a robot's profile, and findings that do not depend on the profile. Of these,
+// the base is needed to check the model.
+Result<std::vector<RobotFinding>> check_without_profile(const RobotSources& sources,
+                                                        const Error& error,
+                                                        OptionSpelling spelling) {
+  std::vector<RobotFinding> findings = {{true, located_message(error, spelling)}};
+  if (!load_json(sources.profile)) {
+    for (const std::string& file : config_files(sources)) {
+      static_cast<void>(read_config(file, spelling, findings));
+    }
+    return findings;
+  }
+  const bool is_fixed = sources.base == RobotBase::kFixed || states_fixed_base(sources.profile);
+  const RobotBase base = is_fixed ? RobotBase::kFixed : sources.base;
+  RETARGET_TRY_ASSIGN(const auto bare, load_robot_files(sources.model, {}, base));
+  for (const std::string& warning : bare->warnings()) findings.push_back({false, warning});
+  add_findings(*bare, sources, false, spelling, findings);
+  std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
+  return findings;
+}
+
 }  // namespace
 
 Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
@@ -91,21 +125,16 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
   if (sources.profile.empty() && sources.config.empty()) {
     return check_bare_model(sources, spelling);
   }
+  const auto robot = load_robot_files(sources.model, sources.profile, sources.base);
+  if (!robot && sources.profile.empty()) return failure(robot.error());
+  if (!robot) return check_without_profile(sources, robot.error(), spelling);
   std::vector<RobotFinding> findings;
-  auto robot = load_robot_files(sources.model, sources.profile, sources.base);
-  if (!robot) {
-    // Checks the model even if its profile is invalid.
-    RETARGET_TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
-    findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
-    robot = std::move(bare);
-  }
   for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});
   for (const RobotVariant& each : (*robot)->profile().variants) {
     const auto variant = robot_variant(*robot, each.name);
-    if (!variant)
-      findings.push_back({true, spell_options(full_message(variant.error()), spelling)});
+    if (!variant) findings.push_back({true, located_message(variant.error(), spelling)});
   }
-  add_findings(**robot, sources, spelling, findings);
+  add_findings(**robot, sources, true, spelling, findings);
   for (RobotFinding& finding : check_shapes(**robot, sources.model)) {
     findings.push_back(std::move(finding));
   }

@@ -79,6 +79,11 @@ std::string indent_of(int depth) {
   return std::string(static_cast<std::size_t>(2 * depth), ' ');
 }
 
+// Frames of joints have no mass. A stated negligible one distinguishes them from bodies whose mass
+// is missing.
+constexpr const char* kFrameInertial =
+    "<inertial mass=\"1e-06\" pos=\"0 0 0\" diaginertia=\"1e-09 1e-09 1e-09\"/>\n";
+
 class ModelWriter {
  public:
   ModelWriter(const Robot& robot, const std::vector<RoughShape>& shapes)
@@ -97,7 +102,8 @@ class ModelWriter {
 };
 
 // Writes type, axis and range of every joint explicitly, for readers other than MuJoCo that do not
-// apply defaults. A hinge without limits has the range of a full turn, which limits nothing.
+// apply defaults. A hinge without limits has the range of a full turn, which limits nothing. MuJoCo
+// rejects "limited" for a range of a single position, to which load_model limits the joint.
 void ModelWriter::write_joint(std::size_t j, const std::string& indent, std::string& text) const {
   const RobotJoint& joint = robot_.joints()[j];
   const bool hinge = joint.type == RobotJoint::Type::kHinge;
@@ -107,7 +113,7 @@ void ModelWriter::write_joint(std::size_t j, const std::string& indent, std::str
   if (joint.reference != 0.0) text += attribute("ref", &joint.reference, 1);
   std::array<double, 2> range = {robot_.model_limits().lower[j], robot_.model_limits().upper[j]};
   const bool limited = std::isfinite(range[0]) && std::isfinite(range[1]);
-  text += attribute("limited", limited ? "true" : "false");
+  if (!limited || range[0] < range[1]) text += attribute("limited", limited ? "true" : "false");
   if (!limited) range = {-std::numbers::pi, std::numbers::pi};
   if (limited || hinge) text += attribute("range", range.data(), 2);
   text += "/>\n";
@@ -157,6 +163,7 @@ void ModelWriter::write_body(int body, int depth, std::string& text) const {
     pose = pose * Pose{Eigen::Quaterniond::Identity(), robot_.joints()[j].anchor};
     text +=
         indent_of(depth) + "<body" + attribute("name", frames_[j]) + pose_attributes(pose) + ">\n";
+    text += indent_of(depth + 1) + kFrameInertial;
     write_joint(j, indent_of(++depth), text);
     pose = {Eigen::Quaterniond::Identity(), -robot_.joints()[j].anchor};
   }

@@ -12,6 +12,7 @@
 #include "robot/anatomy/overlaps.h"
 #include "robot/anatomy/robot_hands.h"
 #include "robot/anatomy/shapes.h"
+#include "solve/robot_setup/check_profile.h"
 #include "solve/robot_setup/check_robot.h"
 #include "solve/robot_setup/derive_config.h"
 #include "solve/robot_setup/describe_robot.h"
@@ -29,20 +30,10 @@ using Json = nlohmann::ordered_json;
 // Removes the model's joint couplings except those of hands. Other joints become independent.
 void keep_couplings_of_hands(const RobotHands& hands, const Robot& robot, RobotProfile& profile,
                              std::vector<std::string>& notes) {
-  const auto is_of_hands = [&](const std::string& name) {
-    const auto joint = robot.find_joint(name);
-    return joint && std::ranges::any_of(hands, [&](const auto& hand) {
-             return hand && std::ranges::find(hand->joints, *joint, &HandJoint::joint) !=
-                                hand->joints.end();
-           });
-  };
-  std::erase_if(profile.coupled_joints, [&](const auto& coupling) {
-    const auto& [name, by] = coupling;
-    if (is_of_hands(name) && is_of_hands(by.leader)) return false;
-    notes.push_back("a joint coupling is dropped, both joints move freely: \"" + name + "\" to \"" +
-                    by.leader + "\"");
-    return true;
-  });
+  for (const std::string& joint : couplings_outside(hands, robot)) {
+    notes.push_back(dropped_coupling_text(robot, joint));
+    profile.coupled_joints.erase(joint);
+  }
 }
 
 Json couplings_json(const RobotProfile& profile) {
