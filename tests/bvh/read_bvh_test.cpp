@@ -216,6 +216,29 @@ TEST(ReadBvh, RateCanBeOverridden) {
   }
 }
 
+TEST(ReadBvh, WarnsAboutImplausibleRates) {
+  const auto warnings = [](const std::string& time, int frames,
+                           const BvhReadOptions& options = {}) {
+    const std::string text = std::string(kHierarchy) + "MOTION\nFrames: " + std::to_string(frames) +
+                             "\nFrame Time: " + time + "\n" + rows(frames);
+    const Result<BvhFile> file = read_exactly(text, options);
+    return file ? warnings_of(*file) : describe(file.error());
+  };
+  for (const auto& [time, said] : {std::pair{"1", "gives 1 fps and a duration of 2 s"},
+                                   {"0.2", "gives 5 fps and a duration of 0.4 s"},
+                                   {"1e-4", "gives 10000 fps and a duration of 0 s"}}) {
+    EXPECT_THAT(warnings(time, 3), HasSubstr(said));
+    EXPECT_THAT(warnings(time, 3), HasSubstr("source_fps N sets the rate"));
+    EXPECT_THAT(warnings(time, 3), HasSubstr("test.bvh:18:13: warning: Frame Time"));
+  }
+  for (const char* time : {"0.1", "0.0333", "0.001"}) EXPECT_EQ(warnings(time, 3), "") << time;
+  // The rate of a single frame does not matter.
+  EXPECT_EQ(warnings("1", 1), "");
+  BvhReadOptions options;
+  options.source_fps = 5.0;
+  EXPECT_EQ(warnings("1", 3, options), "");
+}
+
 TEST(ReadBvh, CanChooseOneOfSeveralRoots) {
   const std::string text =
       "HIERARCHY ROOT a\n{ OFFSET 0 0 0 CHANNELS 1 Xposition }\n"
@@ -310,7 +333,7 @@ TEST(ReadBvh, WarnsOncePerKindInOrder) {
       "HIERARCHY\n# one\nROOT a\n{\nOFFSET 0 0 0 1 2 3\n// two\nCHANNELS 2 Xscale Xrotation\n"
       "JOINT b\n{\nOFFSET 0 0 0 9\n}\nJOINT b\n{\nOFFSET 0 0 0\nCHANNELS 0\n"
       "End Site\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\n}\n}\n"
-      "MOTION\n# three\nFrames: 1\nFrame Time: 1\n# four\n1 0 # five\n1 90\n\nFOOT 1 2\n");
+      "MOTION\n# three\nFrames: 1\nFrame Time: 0.04\n# four\n1 0 # five\n1 90\n\nFOOT 1 2\n");
   ASSERT_TRUE(file.has_value()) << describe(file.error());
   EXPECT_EQ(
       warnings_of(*file),

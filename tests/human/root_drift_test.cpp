@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/math/gravity.h"
 #include "support/angles.h"
 
 namespace retarget {
@@ -112,6 +113,44 @@ TEST(RootDrift, IgnoresJumps) {
     return Vector3d(0.0, 0.0, std::max(0.0, 4.905 * part * (0.5 - part)));
   };
   EXPECT_FALSE(measure_root(body_of(300, jumping, resting_foot).feet).moves());
+}
+
+// A person who jumps with straight legs and stands on the floor for 0.3 s between the jumps.
+double height_of_jumper(double jump, double seconds) {
+  const double rise_time = std::sqrt(2.0 * jump / kGravity);
+  const double time = std::fmod(seconds, 2.0 * rise_time + 0.3) - rise_time;
+  return std::max(0.0, jump - 0.5 * kGravity * time * time);
+}
+
+DriftingBody jumper(double jump, const Path& off) {
+  const auto jumping = [=](double seconds) {
+    return Vector3d(off(seconds) + Vector3d(0.0, 0.0, height_of_jumper(jump, seconds)));
+  };
+  DriftingBody body = body_of(300, jumping, resting_foot);
+  for (const Vector3d& hips : body.hips) body.feet.hips.push_back(hips.z());
+  return body;
+}
+
+TEST(RootDrift, IgnoresJumpsWithStraightLegs) {
+  for (const double jump : {0.1, 0.2, 0.3, 0.5, 0.8}) {
+    const RootEvidence evidence = measure_root(jumper(jump, nowhere).feet);
+    EXPECT_FALSE(evidence.moves()) << jump;
+    // The time on the floor remains evidence.
+    EXPECT_GT(evidence.seconds, 1.0) << jump;
+    EXPECT_LT(evidence.speed, 0.01) << jump;
+  }
+}
+
+TEST(RootDrift, KeepsJumpsWhileItRemovesSway) {
+  for (const double jump : {0.1, 0.2, 0.3}) {
+    const DriftingBody body = jumper(jump, sway);
+    const RootEvidence evidence = measure_root(body.feet);
+    EXPECT_TRUE(evidence.moves()) << jump;
+    EXPECT_FALSE(evidence.climbs()) << jump;
+    const RootDrift found = find_root_drift(body.feet, body.hips, {false, evidence.climbs()});
+    EXPECT_TRUE(found.helps()) << jump;
+    EXPECT_LT(farthest_left(body, sway, found), 0.08) << jump;
+  }
 }
 
 TEST(RootDrift, MeasuresSway) {

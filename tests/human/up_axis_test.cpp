@@ -173,6 +173,26 @@ TEST(ChooseUp, WarnsIfABodySeemsToStandInTheAirClimbOrFloat) {
   }
 }
 
+// A standing body that jumps by half a metre again and again, and lands on the same floor.
+TEST(ChooseUp, ABodyThatJumpsInPlaceDoesNotClimb) {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0, 300);
+  constexpr double kRise = 0.32, kRest = 0.3, kHalfGravity = 490.5;  // s, s, cm/s^2
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const double time = std::fmod(frame / 30.0, 2.0 * kRise + kRest) - kRise;
+    clip.translations(frame)[0].y() += std::max(0.0, kHalfGravity * (kRise * kRise - time * time));
+  }
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const auto poses = poses_of_frames(clip);
+  const SignedAxis y{1, false};
+  EXPECT_THAT(choose_up(body, poses, {y}).doubt, testing::HasSubstr("the body climbs along +y"));
+  const UpChoice choice = choose_up(body, poses, {y, {}, {}, y});
+  EXPECT_EQ(choice.axis, y);
+  EXPECT_EQ(choice.doubt, "");
+  // Free fall in another direction is a reason for doubt.
+  const UpChoice upside_down = choose_up(body, poses, {y, {}, {}, SignedAxis{1, true}});
+  EXPECT_THAT(upside_down.doubt, testing::HasSubstr("has +y up, but the body falls along +y"));
+}
+
 // Moves a clip so that its lowest joint is at height 0 along an axis.
 void rest_along(Clip& clip, int axis) {
   double lowest = std::numeric_limits<double>::infinity();

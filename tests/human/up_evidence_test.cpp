@@ -6,7 +6,9 @@
 #include "human/hand_made_maps.h"
 #include "human/postures.h"
 #include "human/twins.h"
+#include "retarget/resample.h"
 #include "support/recorded_clip.h"
+#include "support/shared_data.h"
 
 namespace retarget {
 namespace {
@@ -33,6 +35,23 @@ TEST(FreeFall, DeterminesTheUpAxisOfAHoppingBody) {
   for (const SignedAxis up : {SignedAxis{0, false}, SignedAxis{2, false}, SignedAxis{2, true}}) {
     const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), up.direction());
     EXPECT_EQ(fall_of(scaled_and_turned(clip, 0.01, turn)), up) << to_text(up);
+  }
+}
+
+// Between steps of a run, the body rebounds for less than a fifth of a second with an acceleration
+// like that of gravity, but upwards. Five samples at 24 Hz are shorter than that.
+TEST(FreeFall, IsNotTheReboundOfARunner) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  const std::string file = "data/lafan1_cuts/run2_subject4_run.bvh";
+  const Clip run = load_bvh((*shared_folder() / file).string()).value().clip;
+  for (const double fps : {20.0, 23.976, 24.0, 25.0, 30.0}) {
+    for (int begin = 0; begin + 300 <= run.frame_count(); begin += 130) {
+      const Clip part =
+          resample(cut(run, begin, begin + 300), frame_rate_from_fps(fps), {.antialias = false})
+              .value();
+      const auto up = fall_of(part);
+      EXPECT_TRUE(!up || *up == SignedAxis{}) << fps << " fps, frame " << begin;
+    }
   }
 }
 

@@ -133,6 +133,53 @@ TEST(MissingSurfaces, AreThoseThatOnlyTheSourceStandsOn) {
   EXPECT_NEAR(missing(touches), 60.0 - 100.0 / 3.0, 3.0);
 }
 
+// Share of missing surfaces of 100 frames at 30 Hz with these contacts of the left toe.
+double missing_under_toe(const std::vector<ContactPhase>& phases,
+                         const std::vector<ContactPhase>& seat = {}) {
+  ContactPlan contacts;
+  contacts.ends[0][kToeEnd].phases = phases;
+  contacts.bodies[6] = seat;
+  const RobotClip clip(load_g1(), {30, 1}, 100);
+  QualityReport report;
+  const QualityOptions options;
+  measure_missing_surfaces({clip, options, report}, contacts, 100, {});
+  return report.find("missing_surface_pct")->value;
+}
+
+// Only the toes of runners touch the surface.
+TEST(MissingSurfaces, MayCarryToesAlone) {
+  EXPECT_NEAR(missing_under_toe({{0, 60, 0.0}, {60, 100, 0.3}}), 40.0, 1e-9);
+  EXPECT_EQ(missing_under_toe({{0, 100, 0.0}}), 0.0);
+  // The seat carries the body as well.
+  EXPECT_NEAR(missing_under_toe({{0, 60, 0.0}, {60, 100, 0.3}}, {{60, 80, 0.0}}), 20.0, 1e-9);
+}
+
+TEST(MissingSurfaces, IncludeFlightsBetweenThem) {
+  EXPECT_NEAR(missing_under_toe({{0, 50, 0.0}, {50, 60, 0.3}, {75, 100, 0.4}}), 50.0, 1e-9);
+  // A flight between contacts with the floor is not on a missing surface.
+  EXPECT_NEAR(missing_under_toe({{0, 20, 0.0}, {40, 60, 0.0}, {60, 100, 0.3}}), 40.0, 1e-9);
+  // The support is unknown before, after and between different contacts, and in long flights.
+  EXPECT_NEAR(missing_under_toe({{10, 40, 0.0}, {60, 90, 0.3}}), 50.0, 1e-9);
+  EXPECT_NEAR(missing_under_toe({{0, 30, 0.3}, {65, 95, 0.3}}), 100.0, 1e-9);
+  EXPECT_NEAR(missing_under_toe({{0, 10, 0.0}, {10, 20, 0.3}, {60, 70, 0.3}}), 200.0 / 3.0, 1e-9);
+  EXPECT_EQ(missing_under_toe({}), 0.0);
+}
+
+// The faster the root rises, the fewer contacts of a runner's feet are found.
+TEST(MissingSurfaces, GrowWithTheHeightOfARun) {
+  double before = 0.0;
+  for (const int contact : {12, 8, 4, 2}) {
+    std::vector<ContactPhase> phases = {{0, 2 * contact, 0.0}};
+    for (int begin = 24; begin < 100; begin += 15) {
+      phases.push_back({begin, begin + contact, 0.01 * begin});
+    }
+    const double missing = missing_under_toe(phases);
+    EXPECT_GT(missing, before) << contact;
+    before = missing;
+  }
+  EXPECT_GT(before, 90.0);
+}
+
 TEST(Flights, IgnoresBodiesThatLieOnTheFloor) {
   // Legs in the air, with hips at the height of sitting or lying bodies.
   HumanClip human = raised_human(

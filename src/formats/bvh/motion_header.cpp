@@ -71,6 +71,7 @@ Result<MotionHeader> parse_motion_header(const SourceText& source, Scanner& scan
       }
       scanner.move_to(scanner.offset() + 4);
       skip_to_value(scanner);
+      header.frame_time_place = scanner.offset();
       TRY_ASSIGN(header.frame_time, parse_frame_time(source, scanner, needs_frame_time));
     } else {
       if (!has_frames) return source.unexpected_at(place, "Frames: and a count");

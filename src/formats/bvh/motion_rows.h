@@ -19,6 +19,7 @@ struct MotionHeader {
   std::int64_t frames = 0;
   std::size_t frames_place = 0;      ///< Byte offset of the frame count.
   std::optional<double> frame_time;  ///< Seconds, as written; may be zero or negative.
+  std::size_t frame_time_place = 0;  ///< Byte offset of the frame time.
 };
 
 /// Parses `Frames:` and `Frame Time:`, in either order, from after MOTION up to the first row.

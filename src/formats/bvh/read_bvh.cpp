@@ -87,6 +87,7 @@ class BvhReader {
   [[nodiscard]] std::size_t max_frames(const Skeleton& skeleton) const;
   [[nodiscard]] Failure too_large(const MotionHeader& header, const Skeleton& skeleton,
                                   int frames) const;
+  void warn_about_rate(const MotionHeader& header, const Clip& clip);
   void warn_about_positions(const Tree& tree, const PositionReading& reading);
   BvhFile finish(Clip clip);
 
@@ -130,6 +131,7 @@ Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
     warnings_.push_back(
         source_.warning_at(header.frames_place, "no frames: only the skeleton is read"));
   }
+  if (needs_frame_time) warn_about_rate(header, clip);
   warn_about_positions(tree, read_positions_beside_offsets(clip));
   return finish(std::move(clip));
 }
@@ -193,6 +195,19 @@ Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleto
           (by_user ? "" : " for a file of this size"),
       by_user ? OPTION("memory") " allows more; or split the file"
               : "remove the joints without channels, which never move relative to their parents");
+}
+
+void BvhReader::warn_about_rate(const MotionHeader& header, const Clip& clip) {
+  constexpr double kFewest = 6.0, kMost = 1000.0;  // Frames per second.
+  const double fps = clip.rate().fps();
+  if (clip.frame_count() < 2 || (fps >= kFewest && fps <= kMost)) return;
+  const double duration = clip.rate().time_of(clip.frame_count() - 1);
+  warnings_.push_back(
+      source_.warning_at(header.frame_time_place,
+                         "Frame Time gives " + number_text(fps, 3) + " fps and a duration of " +
+                             number_text(duration, 3) + " s, but recordings have " +
+                             number_text(kFewest, 0) + " to " + number_text(kMost, 0) +
+                             " fps: if it is wrong, " OPTION("source-fps") " N sets the rate"));
 }
 
 void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& reading) {

@@ -24,6 +24,7 @@ class DriftSolver {
  public:
   DriftSolver(const SourceFeet& feet, const std::vector<Vector3d>& hips, DriftRule rule)
       : tracks_(feet),
+        falls_(frames_in_free_fall(feet, tracks_)),
         vertical_(rule.vertical),
         climbs_(rule.climbs),
         rate_(1.0 / tracks_.frame_time),
@@ -123,7 +124,8 @@ class DriftSolver {
     }
   }
 
-  // Frames in which the lowest foot is far above its level within a second: the body is in the air.
+  // Frames in which the body is in the air: the feet fall freely with it, or the lowest foot is far
+  // above its level within a second.
   [[nodiscard]] std::vector<char> frames_aloft() const {
     constexpr double kJump = 0.12, kMaxSpread = 0.1;
     const double middle = median(tracks_.lowest);
@@ -138,7 +140,7 @@ class DriftSolver {
       const double floor = percentile({tracks_.lowest.begin() + static_cast<std::ptrdiff_t>(from),
                                        tracks_.lowest.begin() + static_cast<std::ptrdiff_t>(to)},
                                       10.0);
-      aloft[i] = tracks_.lowest[i] - floor > high ? 1 : 0;
+      aloft[i] = falls_[i] != 0 || tracks_.lowest[i] - floor > high ? 1 : 0;
     }
     return aloft;
   }
@@ -321,6 +323,7 @@ class DriftSolver {
   static double cauchy(double x) { return 1.0 / square(1.0 + x * x); }
 
   EndTracks tracks_;
+  std::vector<char> falls_;  // By frame: whether the feet fall freely with the body.
   bool vertical_, climbs_;
   bool levels_ = false;  // Whether rolling_ follows the climb of the stances.
   double rate_;

@@ -72,8 +72,10 @@ RootEvidence measure_root(const SourceFeet& feet) {
   RootEvidence evidence;
   if (!has_whole_feet(feet)) return evidence;
   const EndTracks tracks(feet);
+  const std::vector<char> falls = frames_in_free_fall(feet, tracks);
   std::vector<double> speeds, single_speeds, climbing(tracks.count, NAN), climbs;
   for (std::size_t i = 0; i < tracks.count; ++i) {
+    if (falls[i] != 0) continue;
     const bool upright = is_upright(feet, tracks, i);
     const std::array<bool, 2> steady = {tracks.turning(0, i) < kSame, tracks.turning(1, i) < kSame};
     const bool same = (tracks.velocity(0, i) - tracks.velocity(1, i)).norm() < kSame;

@@ -8,8 +8,8 @@
 namespace retarget {
 
 /// Evidence of root errors from standing feet. A foot stands if it does not turn, and is the lower
-/// foot or moves like the other one; this does not depend on the root. Lengths and speeds refer to
-/// a body with legs of kUsualSourceLeg.
+/// foot or moves like the other one; this does not depend on the root. No foot stands while the body
+/// is in free fall. Lengths and speeds refer to a body with legs of kUsualSourceLeg.
 struct RootEvidence {
   double seconds = 0.0;  ///< Time in which both feet stand.
   double speed = 0.0;    ///< Speed that they exceed in 65 % of this time, m/s; 0 for an exact root.

@@ -266,9 +266,13 @@ class UpChooser {
     const auto kept = [&](const std::string& why) {
       return UpChoice{up, why + ": " + taken_text(up)};
     };
-    if (known_.of_fall && *known_.of_fall != up) {
-      return kept(fmt::format("{} has {} up, but the body falls along the {} axis", declared.source,
-                              to_text(up), std::string(1, "xyz"[known_.of_fall->axis])));
+    // Gravity confirms the axis, for example of a body that jumps again and again and therefore
+    // seems to climb.
+    if (known_.of_fall == up) return {up, {}};
+    if (known_.of_fall) {
+      const SignedAxis down = {known_.of_fall->axis, !known_.of_fall->negative};
+      return kept(fmt::format("{} has {} up, but the body falls along {}", declared.source,
+                              to_text(up), to_text(down)));
     }
     if (rises_most_along(up)) {
       return kept(fmt::format("the body climbs along {}, or swims or crawls", to_text(up)));

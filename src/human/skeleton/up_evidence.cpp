@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
+#include "base/math/free_fall.h"
 #include "retarget/human.h"
 #include "retarget/statistics.h"
 
@@ -52,37 +54,6 @@ CentreTrack centre_track(const Clip& clip, const Body& body, int begin, double l
   return track;
 }
 
-// Least-squares parabola through a section of a track.
-struct Parabola {
-  Vector3d acceleration;
-  double residual = 0.0;  // Root mean square.
-};
-
-Parabola fit_parabola(const CentreTrack& track, int middle, int half) {
-  double square = 0.0, fourth = 0.0;
-  std::array<Vector3d, 3> moments{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
-  for (int k = -half; k <= half; ++k) {
-    const double t = k * track.step;
-    const Vector3d& place = track.places[static_cast<std::size_t>(middle + k)];
-    square += t * t;
-    fourth += t * t * t * t;
-    moments[0] += place;
-    moments[1] += t * place;
-    moments[2] += t * t * place;
-  }
-  const double count = 2.0 * half + 1.0, determinant = count * fourth - square * square;
-  const Vector3d start = (fourth * moments[0] - square * moments[2]) / determinant;
-  const Vector3d speed = moments[1] / square;
-  const Vector3d curve = (count * moments[2] - square * moments[0]) / determinant;
-  double sum = 0.0;
-  for (int k = -half; k <= half; ++k) {
-    const double t = k * track.step;
-    sum += (track.places[static_cast<std::size_t>(middle + k)] - start - speed * t - curve * t * t)
-               .squaredNorm();
-  }
-  return {2.0 * curve, std::sqrt(sum / count)};
-}
-
 }  // namespace
 
 double leg_length(const Body& body) {
@@ -99,21 +70,22 @@ double leg_length(const Body& body) {
 }
 
 std::optional<SignedAxis> free_fall_axis(const Clip& clip, const Body& body, int begin) {
-  constexpr double kHalfWindow = 0.1, kLeast = 9.0, kMost = 16.0;  // Seconds, legs/s^2.
-  constexpr double kMaxResidual = 0.03;  // Share of the parabola's height.
+  constexpr double kLeast = 9.0, kMost = 16.0;  // Legs/s^2.
+  constexpr double kMaxResidual = 0.03;         // Share of the parabola's height.
   constexpr double kMinFlight = 0.25, kMinCoherence = 0.75, kMinCosine = 0.9;
   const double leg = leg_length(body);
   if (leg <= 0.0 || !body.has(Bone::kHips)) return std::nullopt;
   const CentreTrack track = centre_track(clip, body, begin, leg);
-  const int half = static_cast<int>(std::lround(kHalfWindow / track.step));
-  // A parabola through three points always fits.
-  if (half < 2) return std::nullopt;
+  const auto half = static_cast<std::size_t>(free_fall_reach(track.step));
+  if (half == 0) return std::nullopt;
+  const double reach = static_cast<double>(half) * track.step;
+  const std::size_t length = 2 * half + 1;
   Vector3d sum = Vector3d::Zero();
   int flying = 0;
-  for (int at = half; at + half < static_cast<int>(track.places.size()); ++at) {
-    const Parabola parabola = fit_parabola(track, at, half);
+  for (std::size_t first = 0; first + length <= track.places.size(); ++first) {
+    const Parabola parabola =
+        fit_parabola(std::span(track.places).subspan(first, length), track.step);
     const double strength = parabola.acceleration.norm();
-    const double reach = half * track.step;
     if (!(strength > kLeast && strength < kMost) ||
         parabola.residual > kMaxResidual * 0.5 * strength * reach * reach) {
       continue;

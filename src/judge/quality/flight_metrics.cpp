@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "human/gait/frame_runs.h"
 #include "human/gait/standing_heights.h"
 #include "judge/quality/flight_metrics.h"
 #include "judge/quality/report_parts.h"
@@ -132,12 +133,22 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
-void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
-                              const std::vector<char>& touches_scene) {
-  // By frame: height of the highest surface below a sole, metres.
-  std::vector<double> raised(static_cast<std::size_t>(frames), 0.0);
-  std::vector<char> carried = touches_scene;
-  carried.resize(raised.size(), 0);
+namespace {
+
+// The support of the body in a frame.
+enum class Carrier : char { kNothing, kFloorOrScene, kMissingSurface };
+
+// Carriers by frame, and the height of the highest surface below a foot, metres.
+struct Carriers {
+  std::vector<Carrier> of;
+  std::vector<double> raised;
+};
+
+Carriers find_carriers(const ContactPlan& contacts, int frames,
+                       const std::vector<char>& touches_scene) {
+  Carriers found;
+  found.of.assign(static_cast<std::size_t>(frames), Carrier::kNothing);
+  found.raised.assign(found.of.size(), 0.0);
   const auto each = [frames](const std::vector<ContactPhase>& phases, const auto& visit) {
     for (const ContactPhase& phase : phases) {
       const int end = std::min(phase.end, frames);
@@ -146,27 +157,59 @@ void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& con
       }
     }
   };
-  for (const auto& phases : contacts.soles) {
-    each(phases, [&](std::size_t i, double support) { raised[i] = std::max(raised[i], support); });
-  }
   for (const auto& foot : contacts.ends) {
     for (const EndContacts& end : foot) {
       each(end.phases, [&](std::size_t i, double support) {
-        if (!(support > 0.0)) carried[i] = 1;
+        if (!(support > 0.0)) found.of[i] = Carrier::kFloorOrScene;
+        found.raised[i] = std::max(found.raised[i], support);
       });
     }
   }
   for (const auto& phases : contacts.bodies) {
-    each(phases, [&](std::size_t i, double) { carried[i] = 1; });
+    each(phases, [&](std::size_t i, double) { found.of[i] = Carrier::kFloorOrScene; });
   }
+  for (std::size_t i = 0; i < found.of.size(); ++i) {
+    if (i < touches_scene.size() && touches_scene[i] != 0) found.of[i] = Carrier::kFloorOrScene;
+    if (found.of[i] == Carrier::kNothing && found.raised[i] > 0.0) {
+      found.of[i] = Carrier::kMissingSurface;
+    }
+  }
+  return found;
+}
+
+// A flight between two surfaces of the same kind counts as a contact with the first one.
+void bridge_flights(double frame_time, Carriers& found) {
+  constexpr double kLongest = 1.0;  // Seconds.
+  const int frames = static_cast<int>(found.of.size());
+  const std::vector<Carrier> of = found.of;
+  for_each_run(
+      0, frames, [&](int frame) { return of[static_cast<std::size_t>(frame)]; },
+      [&](int first, int last) {
+        const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last);
+        if (of[begin] != Carrier::kNothing || first == 0 || last == frames) return;
+        if (of[begin - 1] != of[end] || (last - first) * frame_time > kLongest) return;
+        std::fill(found.of.begin() + first, found.of.begin() + last, of[end]);
+        std::fill(found.raised.begin() + first, found.raised.begin() + last,
+                  found.raised[begin - 1]);
+      });
+}
+
+}  // namespace
+
+void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
+                              const std::vector<char>& touches_scene) {
+  Carriers carriers = find_carriers(contacts, frames, touches_scene);
+  bridge_flights(draft.clip.rate().frame_time(), carriers);
   FaultList faults("missing_surface_pct", "m");
-  int missing = 0;
-  for (std::size_t i = 0; i < raised.size(); ++i) {
-    if (carried[i] != 0 || !(raised[i] > 0.0)) continue;
+  int missing = 0, known = 0;
+  for (std::size_t i = 0; i < carriers.of.size(); ++i) {
+    if (carriers.of[i] == Carrier::kNothing) continue;
+    ++known;
+    if (carriers.of[i] != Carrier::kMissingSurface) continue;
     ++missing;
-    faults.add("soles", static_cast<int>(i), raised[i]);
+    faults.add("soles", static_cast<int>(i), carriers.raised[i]);
   }
-  draft.set("missing_surface_pct", percent(missing, frames));
+  draft.set("missing_surface_pct", percent(missing, known));
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 

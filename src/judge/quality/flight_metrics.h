@@ -51,8 +51,11 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const std::vector<SourceFlight>& flights,
                       const std::vector<char>& touches_scene, double scale);
 
-/// Measures in how many frames only surfaces that the scene lacks carry the source: its soles
-/// stand above the floor, no other part is in contact, and the robot touches no body of its scene.
+/// Measures in how many frames only surfaces that the scene lacks carry the source: an end of a foot
+/// is in contact above the floor, no other part is in contact with the floor, and the robot touches
+/// no body of its scene. Flights of at most a second from such a frame to another one count, too.
+/// Frames are compared with those in which the body is carried at all, or flies between contacts of
+/// the same kind: the higher a run is above the floor, the fewer contacts are known.
 /// @param touches_scene  as for measure_hovering()
 void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
                               const std::vector<char>& touches_scene);
