@@ -19,11 +19,12 @@ struct BatchRequest {
   Run run;  ///< Settings of every clip; the memory limit is for all clips.
   /// Sidecars and dynamics of every clip; its other members are ignored.
   RunRequest of_clip;
-  std::string data_folder;           ///< Contains robots/ and configs/.
-  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; or manifests to merge.
-  std::vector<std::string> lists;    ///< Files with lists of names.
-  std::string relative_to;           ///< Folder below which single files keep their path.
-  std::string former_base;           ///< relative_to by its former option `base`; may be empty.
+  std::string data_folder;          ///< Contains robots/ and configs/.
+  std::vector<std::string> inputs;  ///< Files, folders, patterns, `@LIST`; or manifests to merge.
+  std::vector<std::string> lists;   ///< Files with lists of names.
+  std::string relative_to;          ///< Folder below which single files keep their path.
+  std::string former_base;  ///< Value of the deprecated option `base`, an alias of relative_to; may
+                            ///< be empty.
   std::vector<std::string> exclude;  ///< Shell patterns.
   std::vector<std::string> robots;   ///< Names or folders; empty: the run's own robot.
   std::string output;                ///< Output folder.

@@ -20,7 +20,7 @@ inline constexpr const char* kPredictedFigure = "predicted_tracking_success";
 /// (docs/certificate.md; schema: docs/certificate.schema.json).
 struct Certificate {
   std::string json;      ///< The document.
-  QualityReport report;  ///< Of the motion, judged by the gates.
+  QualityReport report;  ///< Report on the motion, judged by the gates.
   bool gates_passed = false;
   bool fell = false;           ///< Whether the simulated robot fell.
   double tracked_pct = 100.0;  ///< Share of the motion before the fall, %.

@@ -37,8 +37,8 @@ namespace RETARGET_API retarget {
 
 /// Configuration files for retargeting to one robot.
 struct ConfigFiles {
-  std::string of_lafan1;  ///< For LAFAN1-like clips, and for all clips if of_others is empty.
-  std::string of_others;  ///< For all other clips; empty: of_lafan1 is used.
+  std::string of_lafan1;  ///< File for LAFAN1-like clips, and for all clips if of_others is empty.
+  std::string of_others;  ///< File for all other clips; empty: of_lafan1 is used.
 };
 
 /// Returns whether SolveOptions::ik_config is `published` or `derived` instead of a file.

@@ -81,8 +81,9 @@ enum class Channel : unsigned char {
 struct Joint {
   std::string name;
   int parent = -1;  ///< Index of the parent, always smaller than the joint's own; -1 for the root.
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the parent, in the parent's frame.
-  std::vector<Eigen::Vector3d> end_sites;            ///< In the joint's frame.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Offset from the parent, in the parent's
+                                                     ///< frame.
+  std::vector<Eigen::Vector3d> end_sites;            ///< End sites in the joint's frame.
   /// Channels of this joint in a motion row, in file order. Rotations compose left to right
   /// (intrinsic). The order may differ between joints.
   std::vector<Channel> channels;
@@ -123,14 +124,14 @@ class Skeleton {
 /// Origin of a clip.
 struct ClipOrigin {
   std::string name;                   ///< The file name given by the user, or `standard input`.
-  std::uint64_t bytes = 0;            ///< Of the file.
+  std::uint64_t bytes = 0;            ///< Size of the file.
   std::optional<double> body_height;  ///< Metres, if the file states it.
   std::vector<Warning> warnings;      ///< Problems found while reading.
 
   // Properties of scene files: FBX, glTF, MVNX (docs/scenes.md).
   std::optional<double> metres_per_unit;  ///< If the file states it.
-  std::optional<Eigen::Vector3d> up;      ///< In the file's axes, if the file states it.
-  std::vector<std::string> takes;         ///< Names of the file's animations, in file order.
+  std::optional<Eigen::Vector3d> up;  ///< Up direction in the file's axes, if the file states it.
+  std::vector<std::string> takes;     ///< Names of the file's animations, in file order.
   std::string choices;  ///< Human-readable: the take, skeleton and rate that were chosen.
   /// Joints whose rotation is unknown: the file has joint positions only, which do not determine
   /// it.

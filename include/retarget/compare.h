@@ -19,7 +19,7 @@ struct MotionTable {
   /// First of the four columns of each quaternion; q and -q compare as equal.
   std::vector<std::size_t> quaternions;
   std::size_t frames = 0;
-  std::vector<double> values;  ///< In row-major order.
+  std::vector<double> values;  ///< Row-major.
   /// Other numeric data by name: a rate, arrays without one row per frame.
   std::vector<std::pair<std::string, std::vector<double>>> others;
 };

@@ -28,14 +28,16 @@ inline constexpr double kUprightRise = 0.03;
 /// Thresholds for foot contacts. Speeds and lengths apply to a body whose leg (hip to knee to
 /// ankle) is kUsualSourceLeg long; for other bodies they scale with the leg length.
 struct ContactOptions {
-  double begin_speed = 0.15;    ///< A contact begins below this speed, m/s (all three axes),
-  double begin_height = 0.04;   ///< and within this distance of the standing height, metres.
-  double end_speed = 0.25;      ///< A contact ends above this speed, m/s,
-  double end_height = 0.06;     ///< or beyond this distance from the standing height, metres.
+  double begin_speed = 0.15;    ///< Speed (3D) below which a contact may begin, m/s.
+  double begin_height = 0.04;   ///< Distance from the standing height within which a contact may
+                                ///< begin, metres.
+  double end_speed = 0.25;      ///< Speed (3D) above which a contact ends, m/s.
+  double end_height = 0.06;     ///< Distance from the standing height beyond which a contact ends,
+                                ///< metres.
   double shortest = 0.1;        ///< Shortest contact, seconds.
-  double support_time = 0.15;   ///< A foot above the floor is in contact if it is slow for this
-                                ///< time, seconds,
-  double support_drift = 0.02;  ///< and moves no farther than this, metres.
+  double support_time = 0.15;   ///< Time for which a foot above the floor must be slow to be in
+                                ///< contact, seconds.
+  double support_drift = 0.02;  ///< Largest displacement of such a foot in this time, metres.
   /// Whether the clip is still growing, so that a contact at its end may become longer.
   bool goes_on = false;
 };
@@ -49,8 +51,8 @@ struct StandingHeights {
   bool found = false;             ///< False: no foot stands long enough; the heights are estimates.
   double ankle_over_heel = 0.0;   ///< Height of the ankle above the heel for feet with known soles,
                                   ///< metres; else 0, and the ankle serves as the heel.
-  bool from_body = false;  ///< The estimates are those of feet on the floor below the body: a part
-                           ///< of it rests lower than its feet.
+  bool from_body = false;  ///< True if the heights were inferred from a body part that rests lower
+                           ///< than the feet.
 
   /// Standing height of a foot end, kHeelEnd or kToeEnd.
   [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle - ankle_over_heel : toe; }
@@ -59,8 +61,8 @@ struct StandingHeights {
 /// Contact phases of one end of a foot.
 struct EndContacts {
   std::vector<ContactPhase> phases;  ///< Sorted by time.
-  /// By frame of the clip: whether the end is at its standing height and the foot does not rest on
-  /// its side, edge or tip.
+  /// One entry per frame of the clip: whether the end is at its standing height and the foot does
+  /// not rest on its side, edge or tip.
   std::vector<char> level;
 };
 

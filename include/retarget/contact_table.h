@@ -13,8 +13,8 @@ namespace RETARGET_API retarget {
 /// @param rate  frame rate of the motion.
 [[nodiscard]] std::string contacts_text(const ContactLabels& labels, const FrameRate& rate);
 
-/// The same as JSON: `frames`, `fps`, and `contacts`, a list of objects with `part`, `link`,
-/// `surface`, `first`, `last` (frames), `start`, `end` (seconds) and `slides`.
+/// Formats contacts as JSON: `frames`, `fps`, and `contacts`, a list of objects with `part`,
+/// `link`, `surface`, `first`, `last` (frames), `start`, `end` (seconds) and `slides`.
 [[nodiscard]] std::string contacts_json(const ContactLabels& labels, const FrameRate& rate);
 
 }  // namespace retarget

@@ -20,7 +20,7 @@ struct CsvTable {
   /// row (the header format of numpy.savetxt).
   std::vector<std::string> comment;
   std::size_t columns = 0;
-  std::vector<double> values;      ///< In row-major order.
+  std::vector<double> values;      ///< Row-major.
   std::vector<std::size_t> lines;  ///< One-based line number of each row.
   /// The last line has no line ending, and its last number has fewer decimals than in all lines
   /// before it, as in a file that was not copied completely.

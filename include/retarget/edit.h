@@ -83,8 +83,8 @@ struct RestChange : Edited {
   double largest_distance = 0.0;
 };
 
-/// The same movement on a skeleton with other rest directions (A-pose to T-pose), joint order or
-/// channels. Joints are matched by name and must form the same tree.
+/// Transfers the movement to a skeleton with other rest directions (A-pose to T-pose), joint order
+/// or channels. Joints are matched by name and must form the same tree.
 ///
 /// With R the local rotations and Q_i the rotation from the rest directions of joint i's children
 /// and end sites in the source to those in the target,
@@ -235,9 +235,9 @@ struct Seam {
   GroundPose a_from_b;  ///< Motion on the ground that takes b to a, about the world origin.
   Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< Displacement of b's hips at b_frame, metres.
   double distance = 0.0;                          ///< Root mean square over the bones, metres.
-  bool same_support = true;                       ///< The same feet are in contact in both.
-  std::string worst_bone;                         ///< Bone farthest from its counterpart there.
-  double worst_distance = 0.0;                    ///< Distance of worst_bone, metres.
+  bool same_support = true;     ///< Whether the same feet are in contact in both clips.
+  std::string worst_bone;       ///< Bone farthest from its counterpart there.
+  double worst_distance = 0.0;  ///< Distance of worst_bone, metres.
 };
 
 /// Distances of all searched windows. Rows are frames of a, columns frames of b; row-major.
@@ -292,12 +292,12 @@ struct SeamCheck {
                                ///< fastest_bone, or of all joints if this is smaller.
   double largest_speed = 0.0;  ///< Speed of fastest_bone at the seam, m/s.
   std::string fastest_bone;    ///< Joint with the largest speed relative to its usual speed.
-  double usual_acceleration = 0.0;    ///< As usual_speed, for accelerations, m/s2.
-  double largest_acceleration = 0.0;  ///< Of jolted_bone, m/s2. Accelerations that a clip itself
-                                      ///< has at that time do not count.
+  double usual_acceleration = 0.0;    ///< Like usual_speed, for accelerations, m/s^2.
+  double largest_acceleration = 0.0;  ///< Acceleration of jolted_bone, m/s^2. Accelerations that a
+                                      ///< clip itself has at that time are ignored.
   std::string jolted_bone;
   double slip = 0.0;      ///< Mean speed over the floor of planted ankles at the seam, m/s.
-  double own_slip = 0.0;  ///< The same in the clips, m/s.
+  double own_slip = 0.0;  ///< Mean speed over the floor of planted ankles within the clips, m/s.
   double jump = 0.0;      ///< Largest speed of a planted ankle beyond that in either clip, m/s.
   std::vector<std::string> faults;  ///< Faults of the seam, one phrase each; empty: it is good.
 };

@@ -41,7 +41,7 @@ enum class ErrorKind {
 
 /// A location in a file.
 struct Location {
-  std::string file;        ///< As the user named it; may be empty.
+  std::string file;        ///< File name given by the user; may be empty.
   std::size_t line = 0;    ///< 1-based; 0: unknown.
   std::size_t column = 0;  ///< 1-based, in bytes; 0: unknown.
 };

@@ -23,11 +23,11 @@ struct RunFingerprint {
   std::string description;  ///< A JSON object: tool, options, files with their hashes, robot.
 };
 
-/// Options count by value, so giving a default explicitly changes nothing. Files (configuration,
-/// limits, fit options, profiles, ...) count by content, the robot by its compiled model and its
-/// profile, the tool by its version.
+/// The fingerprint includes option values (an explicit default changes nothing), file contents
+/// (configuration, limits, fit options, profiles, ...), the robot's compiled model and profile, and
+/// the version of the tool.
 /// @param run      its motion, robot and output are ignored.
-/// @param request  counts whether sidecars are written and motions are measured.
+/// @param request  included: whether sidecars are written and whether motions are measured.
 [[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
                                                      const RobotSetup& setup);
 

@@ -20,10 +20,10 @@ struct GalleryRequest {
   DataFolder data_folder;
   /// A robot of the batch to load with these options instead of by its recorded name; empty: none.
   RobotChoice robot;
-  std::vector<std::string> gates;  ///< As for changed_gates().
-  std::string meshes;  ///< As for load_robot_meshes; empty: the pages have no meshes, which keeps
-                       ///< them small.
-  OptionSpelling spelling = option_as_field;  ///< Of options in texts of the pages.
+  std::vector<std::string> gates;  ///< Gates; see changed_gates().
+  std::string meshes;  ///< Source of meshes, see load_robot_meshes; empty: the pages have no
+                       ///< meshes, which keeps them small.
+  OptionSpelling spelling = option_as_field;  ///< Spelling of options in texts of the pages.
   /// Called first in each worker process.
   std::function<void()> begin_worker;
 };

@@ -10,7 +10,7 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
-/// Computes the SHA-256 of bytes that arrive in pieces (FIPS 180-4).
+/// Computes the SHA-256 of bytes that arrive in chunks (FIPS 180-4).
 ///
 /// A hash is text, `sha256:` and 64 lower-case hexadecimal digits, so that it names its function.
 /// Errors (kRun): finish() was called before.
@@ -33,9 +33,9 @@ class ContentHasher {
 
 [[nodiscard]] Result<std::string> hash_bytes(std::string_view bytes);
 
-/// Hashes the content of a regular file in pieces, with constant memory.
-/// @param kind  of errors about the file: missing, unreadable, a folder, a pipe or a device
-///              (reading would consume their bytes).
+/// Hashes the content of a regular file in chunks, with constant memory.
+/// @param kind  kind of errors about the file: missing, unreadable, a folder, a pipe or a device
+///   (reading would consume their bytes).
 [[nodiscard]] Result<std::string> hash_file(const std::string& path,
                                             ErrorKind kind = ErrorKind::kInput);
 

@@ -126,7 +126,7 @@ enum class LimbBone : unsigned char {
 [[nodiscard]] Side side_of(Bone bone);
 /// Empty for the trunk, neck and head.
 [[nodiscard]] std::optional<LimbBone> limb_bone(Bone bone);
-/// The same bone on the other side; for the trunk, neck and head the bone itself.
+/// Returns the corresponding bone on the other side; for the trunk, neck and head the bone itself.
 [[nodiscard]] Bone mirrored(Bone bone);
 
 /// Fingers of a hand, in order from the thumb.
@@ -157,7 +157,7 @@ struct BoneMap {
   BoneArray<int> joint_of_bone = BoneArray<int>(-1);
   std::vector<std::string> notes;  ///< Human-readable: missing or folded joints, assumptions.
   bool partial = false;            ///< Legs or arms are missing.
-  SkeletonFacts facts;             ///< From the profile; empty if no profile was recognised.
+  SkeletonFacts facts;             ///< Facts from the profile; empty if no profile was recognised.
 
   [[nodiscard]] int joint(Bone bone) const { return joint_of_bone[bone]; }
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
@@ -227,8 +227,8 @@ struct Calibration {
 
   std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`, `given`, `scaled` (to a
                           ///< given height) or `unknown`.
-  SignedAxis up;          ///< In the file's axes.
-  SignedAxis forward;     ///< Axis nearest to the facing in the rest pose.
+  SignedAxis up;          ///< Up axis of the file.
+  SignedAxis forward;     ///< Axis of the file nearest to the facing in the rest pose.
   std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`, `lafan1`, or
                           ///< `lafan1 axes` for a body of another height.
   double rest_deviation = 0.0;  ///< Mean angle between limbs and trunk of that pose and the T-pose,
@@ -240,10 +240,10 @@ struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;
   double height = 1.75;                          ///< Body height, metres.
-  double size = 1.75;                            ///< As in Calibration.
-  std::array<std::optional<FootSole>, 2> soles;  ///< As in Calibration.
-  std::optional<BodyLengths> built;              ///< As in Calibration.
-  std::optional<double> standing_bend;           ///< As in Calibration.
+  double size = 1.75;                            ///< See Calibration::size.
+  std::array<std::optional<FootSole>, 2> soles;  ///< See Calibration::soles.
+  std::optional<BodyLengths> built;              ///< See Calibration::built.
+  std::optional<double> standing_bend;           ///< See Calibration::standing_bend.
   BoneArray<std::string> sources;                ///< Source joint of each bone; empty: missing.
   std::vector<std::string> source_joints;        ///< All joints of the source, for messages.
 

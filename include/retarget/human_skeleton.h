@@ -46,7 +46,7 @@ namespace RETARGET_API retarget {
 [[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
                                                                 const Calibration& calibration);
 
-/// The same for shoulder, elbow and wrist, in this order.
+/// Like find_legs(), for arms: shoulder, elbow and wrist, in this order.
 [[nodiscard]] std::array<std::optional<LegJoints>, 2> find_arms(const Skeleton& skeleton,
                                                                 const Calibration& calibration);
 

@@ -24,8 +24,8 @@ struct Inspection {
 /// The joints, the rate, the extents and the human as JSON that is safe to print on a terminal.
 [[nodiscard]] std::string inspection_json(const Inspection& found);
 
-/// The same as human-readable text, wrapped to the terminal width except for joint lines. Names
-/// from the file are made printable.
+/// Formats the inspection as human-readable text, wrapped to the terminal width except for joint
+/// lines. Names from the file are made printable.
 [[nodiscard]] std::string inspection_text(const Inspection& found);
 
 /// The world poses of all joints and end sites as CSV: `frame,time`, then `.x .y .z .qx .qy .qz

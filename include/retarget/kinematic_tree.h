@@ -90,7 +90,7 @@ struct TreeState {
   explicit TreeState(const KinematicTree& of);
   TreeState(const KinematicTree& of, std::span<const double> qpos) : TreeState(of) { update(qpos); }
 
-  /// @param qpos  in Robot's layout; the root quaternion need not be normalised.
+  /// @param qpos  configuration in Robot's layout; the root quaternion need not be normalised.
   void update(std::span<const double> qpos);
   /// Updates only the subtree of a link other than the base; nothing else may have moved since the
   /// last update.

@@ -35,10 +35,10 @@ enum class LiveClock : unsigned char {
 /// live mode (docs/live.md). The position and speed limits of the joints apply as well.
 struct LiveLimits {
   double root_speed = 8.0;            ///< m/s
-  double turn_speed = 15.0;           ///< Of the root, rad/s.
+  double turn_speed = 15.0;           ///< Angular speed limit of the root, rad/s.
   double joint_acceleration = 400.0;  ///< rad/s^2
   double root_acceleration = 80.0;    ///< m/s^2
-  double turn_acceleration = 300.0;   ///< Of the root, rad/s^2.
+  double turn_acceleration = 300.0;   ///< Angular acceleration limit of the root, rad/s^2.
   double resume_joint_speed = 3.0;    ///< Joint speed limit right after an interruption, rad/s.
   double resume_root_speed = 1.0;     ///< Root speed limit right after an interruption, m/s.
   double resume_turn_speed = 2.0;     ///< Root turning limit right after an interruption, rad/s.
@@ -129,9 +129,10 @@ class OnlineSolver;
 class LiveSession {
  public:
   /// Creates a session.
-  /// @param plan  from make_plan, with its clip: a few frames of the performer, such as a T-pose or
-  ///     a recording. Limb lengths are measured once from this clip. The plan's method selects the
-  ///     targets: `gmr` uses the published ones, `fit` scales limbs and aligns limb directions.
+  /// @param plan  result of make_plan, with its clip: a few frames of the performer, such as a
+  ///   T-pose or a recording. Limb lengths are measured once from this clip. The plan's method
+  ///   selects the targets: `gmr` uses the published ones, `fit` scales limbs and aligns limb
+  ///   directions.
   /// @return kUsage errors: options out of range, kLag with the method `gmr`, a plan without
   ///     frames; errors of make_targets.
   [[nodiscard]] static Result<LiveSession> make(const Plan& plan, const LiveOptions& options = {});

@@ -47,7 +47,8 @@ struct SceneWorld;
 /// The human motion from which a robot's motion was made. Frames with the same index are
 /// simultaneous.
 struct QualitySource {
-  const HumanClip* human = nullptr;  ///< At the motion's frame rate; may be longer or shorter.
+  const HumanClip* human = nullptr;  ///< Human motion at the motion's frame rate; may be longer or
+                                     ///< shorter.
   const ResolvedConfig* config = nullptr;  ///< Defines the tracked targets; nullptr: no tracking.
   /// Scaling rule of the targets.
   ScaleRule scale = ScaleRule::kTable;
@@ -95,7 +96,7 @@ void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
                QualityReport& report);
 
 /// Adds the joints that are at a limit in many frames, and the tasks that push them there.
-/// @param clip    in the position and heading in which it was solved.
+/// @param clip    motion in the position and heading in which it was solved.
 /// @param limits  limits with which it was solved.
 void add_limited_joints(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
                         QualityReport& report);
@@ -109,7 +110,8 @@ struct MeasuredSource {
   FrameRate rate;
   HumanClip human;
   std::optional<HumanClip> human_with_lead_in;  ///< Set if the source has a lead-in.
-  /// The same frames as read from the file, for sources with fingers; otherwise null.
+  /// The frames of `human` and `human_with_lead_in` as read from the file, for sources with
+  /// fingers; otherwise null.
   std::shared_ptr<const Clip> fingers, fingers_with_lead_in;
   /// The scene around the human in the same frames; null: only the floor.
   std::shared_ptr<const SceneWorld> scene, scene_with_lead_in;
@@ -118,9 +120,9 @@ struct MeasuredSource {
   std::string config_file;  ///< Name of the configuration's file for reports.
   ScaleRule scale = ScaleRule::kTable;
   TrunkRule trunk = TrunkRule::kLines;
-  std::optional<TravelReport> travel;      ///< As in Plan.
-  std::optional<TimeScale> time_scale;     ///< As in Plan.
-  std::vector<ContactEdit> contact_edits;  ///< As in Plan.
+  std::optional<TravelReport> travel;      ///< See Plan::travel.
+  std::optional<TimeScale> time_scale;     ///< See Plan::time_scale.
+  std::vector<ContactEdit> contact_edits;  ///< See Plan::contact_edits.
 };
 
 /// Makes the source of a plan.

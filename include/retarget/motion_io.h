@@ -165,7 +165,7 @@ struct TrackingOptions {
 struct TrackedObjects {
   std::vector<std::string> names;
   std::vector<double> pos, quat;
-  std::vector<double> lin_vel, ang_vel;  ///< Of the origins of the objects' frames.
+  std::vector<double> lin_vel, ang_vel;  ///< Velocities of the origins of the objects' frames.
 };
 
 /// Contacts of a TrackingMotion with surfaces, one column per body of the robot and surface.
@@ -225,14 +225,14 @@ struct HumanInWorld {
   const Clip* clip = nullptr;  ///< Must outlive this object.
   double metres_per_unit = 0.01;
   Pose world_from_clip;      ///< Applied after scaling to metres.
-  std::vector<int> colours;  ///< Per joint: colour of the bone that ends there, 0xRRGGBB. May have
-                             ///< fewer entries than joints; the rest are kPlainColour.
+  std::vector<int> colours;  ///< One per joint: colour of the bone that ends there, 0xRRGGBB. May
+                             ///< have fewer entries than joints; the rest are kPlainColour.
 };
 
 /// Options of format_robot_motion.
 struct WriteMotionOptions {
-  RobotCsvOptions csv;       ///< For kCsv; kCsvSoma uses only its precision.
-  TrackingOptions tracking;  ///< For the NPZ formats.
+  RobotCsvOptions csv;       ///< Used by kCsv; kCsvSoma uses only its precision.
+  TrackingOptions tracking;  ///< Used by the NPZ formats.
   std::string name;  ///< Name of the motion: the key in a kPklPbhc file, the animation in a kGlb
                      ///< file; empty: `motion`.
   std::optional<HumanInWorld> human = std::nullopt;  ///< Source motion, shown in a kGlb file.
@@ -301,16 +301,16 @@ struct FormattedFile {
 
 /// Losses when a motion is stored in a format, one line each: PBHC's files have fewer joints,
 /// readers of SOMA's and SONIC's files assume a rate.
-/// @param rate  of the file.
+/// @param rate  frame rate of the file.
 [[nodiscard]] std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format,
                                                      const FrameRate& rate);
 
 /// Properties that a motion file does not state or states wrongly. Empty: detected, or the format's
 /// default.
 struct ReadMotionOptions {
-  std::optional<MotionFormat> format;         ///< Overrides detection by content.
-  std::optional<FrameRate> rate;              ///< Overrides the file's rate.
-  std::optional<FrameRate> default_rate;      ///< For files without a rate; empty: 30, SOMA 120.
+  std::optional<MotionFormat> format;     ///< Overrides detection by content.
+  std::optional<FrameRate> rate;          ///< Overrides the file's rate.
+  std::optional<FrameRate> default_rate;  ///< Rate of files that contain none; empty: 30, SOMA 120.
   std::optional<QuaternionOrder> quaternion;  ///< Root quaternion, for files without a header.
   /// Unit of hinges and root Euler angles in a CSV or a pickle; true: degrees, false: radians.
   std::optional<bool> degrees;
@@ -332,7 +332,8 @@ struct RobotMotion {
                                          ///< line each.
   std::vector<std::string> warnings;     ///< Human-readable; one line each.
   std::size_t bytes = 0;                 ///< Size of the file.
-  std::optional<FootContacts> contacts;  ///< Per frame of the clip; empty: the file has none.
+  std::optional<FootContacts> contacts;  ///< Contacts in the frames of the clip; empty: the file
+                                         ///< has none.
 };
 
 /// Reads a robot motion in any format of docs/formats.md; the format is detected by content.

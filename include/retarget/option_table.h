@@ -63,11 +63,11 @@ struct OptionInfo {
   double max = std::numeric_limits<double>::max();
   bool decides = true;  ///< Whether the bytes of a motion depend on it.
   OptionFile file = OptionFile::kNone;
-  bool basic = false;            ///< Shown in the short help.
-  std::string letter = {};       ///< Short name on the command line; may be empty.
-  std::string former_name = {};  ///< Also accepted in files; empty if the name never changed.
-  bool required = false;         ///< On the command line.
-  std::string none = {};         ///< For an optional enum: the word for no choice; empty: none.
+  bool basic = false;                 ///< Shown in the short help.
+  std::string letter = {};            ///< Short name on the command line; may be empty.
+  std::string former_name = {};       ///< Also accepted in files; empty if the name never changed.
+  bool required = false;              ///< Must be given on the command line.
+  std::string none = {};              ///< Word for no choice of an optional enum; empty: none.
   OptionUse uses = OptionUse::kNone;  ///< Other commands that accept the option.
   bool recorded_if_given = false;     ///< Records omit it while it is an empty text, so that they
                                       ///< are those of versions without it.

@@ -115,17 +115,18 @@ enum class RestPose {
 /// multiply residuals, so they enter the cost of a frame squared. Rows of the configuration without
 /// a weight stay unweighted.
 struct TrackingWeights {
-  double hips_position = 29.0;  ///< Per metre.
-  double hips_rotation = 16.0;  ///< Per radian.
+  double hips_position = 29.0;  ///< Weight per metre.
+  double hips_rotation = 16.0;  ///< Weight per radian.
   double torso_rotation = 16.0;
   double thigh_position = 0.0;
-  double thigh_rotation = 14.0;  ///< Of the bone's direction.
-  double thigh_twist = 6.0;  ///< Of the rotation about the bone. Hips with offsets cannot follow
-                             ///< twist and foot direction together.
+  double thigh_rotation = 14.0;  ///< Weight of the bone's direction.
+  double thigh_twist = 6.0;  ///< Weight of the rotation about the bone. Hips with offsets cannot
+                             ///< follow twist and foot direction together.
   double shank_position = 10.0;
-  double shank_rotation = 13.0;  ///< Of the bone's direction.
-  double shank_twist = 5.0;      ///< Of the rotation about the bone.
-  double foot_position = 30.0;   ///< Horizontal; for a foot off the ground also vertical.
+  double shank_rotation = 13.0;  ///< Weight of the bone's direction.
+  double shank_twist = 5.0;      ///< Weight of the rotation about the bone.
+  double foot_position = 30.0;   ///< Weight of the horizontal position; for a foot off the ground
+                                 ///< also the vertical.
   double foot_rotation = 16.0;
   double upper_arm_position = 5.0;
   double upper_arm_rotation = 48.0;
@@ -153,7 +154,8 @@ struct FitOptions {
   TrackingWeights weights;
 
   double foot_height_near = 80.0;  ///< Weight of the clearance of a foot near the floor, per metre.
-  double foot_height_far = 40.0;   ///< The same for a foot `foot_height_range` above the floor.
+  double foot_height_far = 40.0;   ///< Weight of the clearance of a foot `foot_height_range` above
+                                   ///< the floor, per metre.
   double foot_height_range = 0.12;  ///< Metres.
   double foot_height_below = 2.0;   ///< Factor for these weights while a foot is below its
                                     ///< clearance.
@@ -168,10 +170,12 @@ struct FitOptions {
   /// Weight of the height of these bodies above the floor, per metre.
   double body_contact_height_weight = 280.0;
 
-  double sole_floor_weight = 400.0;  ///< Weight of the depth of sole points, per metre.
-  double sole_margin = 0.002;  ///< Height below which the depth of a foot in swing begins, metres.
-  double body_floor_weight = 800.0;  ///< Weight of the depth of other bodies, per metre.
-  double body_margin = 0.006;        ///< Height below which their depth begins, metres.
+  double sole_floor_weight = 400.0;  ///< Weight of the depth of sole points below sole_margin, per
+                                     ///< metre.
+  double sole_margin = 0.002;        ///< Clearance below which a swing foot is penalised, metres.
+  double body_floor_weight = 800.0;  ///< Weight of the depth of other bodies below body_margin, per
+                                     ///< metre.
+  double body_margin = 0.006;        ///< Clearance below which other bodies are penalised, metres.
 
   /// Weight of the distance from a body in contact to its surface of the scene, per metre.
   double scene_contact_weight = 230.0;
@@ -181,10 +185,11 @@ struct FitOptions {
   double scene_hold_weight = 150.0;
   /// Weight of the direction in which a hand faces a held object, per radian.
   double scene_palm_weight = 10.0;
-  double scene_margin = 0.004;  ///< Required distance from other bodies of the scene, metres.
+  double scene_margin = 0.004;  ///< Clearance from other bodies of the scene below which links are
+                                ///< penalised, metres.
 
   double self_collision_weight = 500.0;  ///< Weight of the overlap of two shapes, per metre.
-  double self_collision_margin = 0.008;  ///< Distance of shapes below which they overlap, metres.
+  double self_collision_margin = 0.008;  ///< Distance below which two shapes are penalised, metres.
 
   /// Weight of the depth inside the margin before a joint limit (5 % of the range), relative to the
   /// margin.
@@ -193,16 +198,16 @@ struct FitOptions {
   /// Weight of the deviation of legs and waist from their smoothed velocity, per rad/s. Multiplied
   /// by smoothing_time, it is approximately a weight of accelerations, per rad/s^2.
   double smoothness_leg = 1.75;
-  double smoothness_arm = 2.15;    ///< The same for arms.
-  double smoothness_wrist = 1.65;  ///< The same for wrists.
-  /// The same for the root's position, per m/s; see smoothness_root_reference.
+  double smoothness_arm = 2.15;    ///< Like smoothness_leg, for arms.
+  double smoothness_wrist = 1.65;  ///< Like smoothness_leg, for wrists.
+  /// Like smoothness_leg, for the root's position, per m/s; see smoothness_root_reference.
   double smoothness_root_position = 72.0;
   /// Share of the low-passed target's accelerations that are not penalised in the root.
   double smoothness_root_reference = 1.0;
-  double smoothness_root_rotation = 4.0;  ///< As smoothness_leg, for the root's rotation.
+  double smoothness_root_rotation = 4.0;  ///< Like smoothness_leg, for the root's rotation.
   double smoothing_time = 0.013;  ///< Approximate time constant of the velocity smoothing, seconds.
-  /// The same for arms and legs out of contact. There, the cost penalises changes of acceleration,
-  /// so that limbs may reverse as fast as the human's. 0: as for other joints.
+  /// Time constant for arms and legs out of contact, seconds. There, the cost penalises changes of
+  /// acceleration, so that limbs may reverse as fast as the human's. 0: as for other joints.
   double limb_smoothing_time = 0.019;
 
   // Options of `dynamics`, for the size and mass of a G1.
@@ -276,7 +281,7 @@ struct HumanOptions {
   std::string unit;        ///< `m`, `dm`, `cm`, `mm`, `inch`, `cmu`, or metres; empty: detected.
   /// Unit vector in the file's axes: along an axis, or near one for a world that is not level.
   std::optional<Eigen::Vector3d> up;
-  std::optional<SignedAxis> forward;  ///< In the file's axes.
+  std::optional<SignedAxis> forward;  ///< Facing direction of the rest pose, in the file's axes.
   double height = 0.0;                ///< Metres; 0: estimated.
   bool unit_optional = false;         ///< Accept an unknown unit.
   CleanRule clean = CleanRule::kAuto;
@@ -292,7 +297,7 @@ struct PartOptions {
 
 /// Type of a robot's base.
 enum class RobotBase : unsigned char {
-  kAuto,   ///< As in the robot's profile; floating without a profile.
+  kAuto,   ///< Type given in the robot's profile; floating without a profile.
   kFixed,  ///< Fixed base: an upper body on a stand or a wheeled platform, or a suspended robot.
 };
 
@@ -344,8 +349,8 @@ struct SolveOptions {
   Method method = Method::kFit;
   std::string fit_config;  ///< JSON file of FitOptions; overrides `fit`; empty: none.
   FitOptions fit;          ///< Options of Method::kFit.
-  /// Names of options of `fit` (fit_table) that a preset does not change. It does not change
-  /// options that differ from their defaults either.
+  /// Options of `fit` given explicitly. A preset overrides neither these nor options that differ
+  /// from their defaults.
   std::vector<std::string> fit_given;
   double fit_window_s = 0.0;  ///< Overrides FitOptions::window, seconds; 0: no override.
   std::string scene;          ///< File of the scene around the human; empty: only a floor.
@@ -363,7 +368,7 @@ struct SolveOptions {
   std::string object_shift;
   double object_scale = 1.0;  ///< Size of the moving bodies; the hands follow.
   ObjectMotion object_motion = ObjectMotion::kGiven;
-  /// JSON file of changes to the contacts that are found (contact_edits.h); empty: none.
+  /// JSON file with edits of the detected contacts (contact_edits.h); empty: none.
   std::string contact_edits;
   std::vector<std::string> with;     ///< Terms of the fit to enable.
   std::vector<std::string> without;  ///< Terms of the fit to disable.
@@ -398,9 +403,10 @@ struct SaveOptions {
   int npz_fps = 50;                       ///< NPZ: frames per second.
   std::optional<BodyPoint> npz_velocity;  ///< NPZ: point of the body velocities; empty: by format.
   std::string motion_name;                ///< PBHC: name of the motion; empty: from the file name.
-  std::string contacts;   ///< Also write the planted feet to this CSV file; empty: do not.
-  std::string scene_out;  ///< Also write the robot's scene to this file; empty: do not.
-  /// Also write a reference for controllers with this many samples per second; 0: do not.
+  std::string contacts;   ///< CSV file for contacts of the feet and, with a scene, of other parts;
+                          ///< empty: none.
+  std::string scene_out;  ///< File for the robot's scene; empty: none.
+  /// Samples per second of a reference for controllers; 0: no reference.
   double reference_rate = 0.0;
   std::string reference;  ///< File of the reference, .npz or .csv; empty: beside the output.
 };

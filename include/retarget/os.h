@@ -76,7 +76,7 @@ void close_file(int descriptor);
 /// @return number of bytes, at most as many as one call transfers.
 [[nodiscard]] std::int64_t read_bytes(int descriptor, void* bytes, std::size_t count);
 [[nodiscard]] std::int64_t write_bytes(int descriptor, const void* bytes, std::size_t count);
-/// The same at a place of the file.
+/// Variants of read_bytes and write_bytes that start at a file offset, bytes.
 [[nodiscard]] std::int64_t read_bytes_at(int descriptor, void* bytes, std::size_t count,
                                          std::int64_t at);
 [[nodiscard]] std::int64_t write_bytes_at(int descriptor, const void* bytes, std::size_t count,
@@ -87,7 +87,8 @@ void close_file(int descriptor);
 
 /// Waits until the content of a file is on disk; `data_only`: not its times.
 [[nodiscard]] int flush_to_disk(int descriptor, bool data_only = false);
-/// The same for a folder's list of names. Does nothing where the system keeps it by itself.
+/// Waits until a folder's directory entries are on disk. No effect on systems that ensure this by
+/// themselves.
 [[nodiscard]] int flush_folder(const std::string& path);
 
 /// Creates a file without a name, which is gone unless name_file() names it. Not every system and
@@ -116,9 +117,9 @@ enum class LockKind : unsigned char { kAlone, kShared };
 [[nodiscard]] bool is_out_of_space(int error_number);
 
 [[nodiscard]] int process_id();
-/// For a worker process: leaves Ctrl-C to the parent process, which gets it as well. SIGTERM of the
-/// parent, however often it arrives, sets a flag; SIGTERM of another process ends the worker. No
-/// effect on Windows, where workers are threads.
+/// Called by worker processes. Leaves Ctrl-C to the parent process, which gets it as well. SIGTERM
+/// of the parent, however often it arrives, sets a flag; SIGTERM of another process ends the
+/// worker. No effect on Windows, where workers are threads.
 /// @param stopped  the flag; must exist until the process ends.
 void leave_interrupts_to_parent(volatile std::sig_atomic_t& stopped);
 /// Name of this computer; empty if unknown.

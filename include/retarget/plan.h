@@ -42,10 +42,10 @@ struct HumanInClip {
 struct RobotSetup {
   LoadedRobot loaded;
   LimitSet limits;
-  ResolvedConfig config;  ///< For LAFAN1 clips, and for all clips without `config_of_others`.
-  std::optional<ResolvedConfig> config_of_others;  ///< For all other clips.
+  ResolvedConfig config;  ///< Used for LAFAN1 clips, and for all clips without `config_of_others`.
+  std::optional<ResolvedConfig> config_of_others;  ///< Used for all other clips.
   FitOptions fit;            ///< Options of Method::kFit after the options file and `without`.
-  FitOptions fit_of_robots;  ///< As `fit`, for robot motions, whose rotations are known.
+  FitOptions fit_of_robots;  ///< Like `fit`, for robot motions, whose rotations are known.
 
   [[nodiscard]] const ResolvedConfig& config_for(const HumanInClip& human) const;
   /// Summary lines about the owners of the joints if only the arms follow (RobotChoice::follow);
@@ -61,7 +61,7 @@ struct Plan {
   /// ::object_scale); null after solve(Plan&&).
   std::shared_ptr<const Clip> clip;
   LoadedRobot robot;
-  Options options;  ///< As given; the members below take precedence.
+  Options options;  ///< Options as given; the members below take precedence.
 
   HumanInClip human;
 

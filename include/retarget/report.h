@@ -58,7 +58,7 @@ struct FitBoundReport {
 struct FitStatus {
   int begin = 0, end = 0;  ///< Frames [begin, end).
   /// Whether the predicted cost reduction of the last step was at most the fraction kFitTolerance.
-  /// For the clip: whether all windows converged.
+  /// For a whole clip: true if all windows converged.
   bool converged = false;
   int steps = 0;  ///< Gauss-Newton steps taken; for the clip: the maximum over the windows.
   /// Number of diagonal blocks that were not positive definite or not finite. Its window then skips
@@ -114,7 +114,7 @@ struct TravelReport {
 struct MetricValue {
   const Metric* metric = nullptr;
   double value = 0.0;
-  std::optional<double> p95;  ///< For metrics with a mean and a 95th percentile.
+  std::optional<double> p95;  ///< 95th percentile, for metrics with a mean and a 95th percentile.
 };
 
 /// Comparison of a motion with one set of joint limits.
@@ -237,7 +237,7 @@ struct QualityReport {
   std::vector<SegmentAngle> segments;
   std::optional<TrunkLean> trunk_lean;  ///< Needs a source with known hips and shoulders.
   /// The joint that is at a limit in the most frames in which the human's pose does not demand it.
-  /// If the demand is unknown, all frames count. Empty: no joint.
+  /// If the demand is unknown, all frames are included. Empty: no joint.
   std::optional<JointMostAtLimit> at_limit;
   /// The joint that is at a limit in the most frames in which the human's pose demands it. Empty:
   /// no joint, or the demand is unknown.

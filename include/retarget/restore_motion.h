@@ -12,7 +12,7 @@ namespace RETARGET_API retarget {
 
 /// The scene around the human of a motion that was solved elsewhere: SolvedScene::human, which
 /// measurements need and which plan and clip determine.
-/// @param plan      of the motion, with its clip.
+/// @param plan      plan of the motion, with its clip.
 /// @param prepared  prepare_clip(plan).
 /// @return null: the plan has no scene. Errors (kInput): a track that does not fit the clip; a mesh
 ///     that is too large.

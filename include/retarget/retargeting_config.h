@@ -30,7 +30,8 @@ inline constexpr double kGuessedRotationShare = 0.3;
 struct IkTask {
   double position_weight = 0.0;
   double rotation_weight = 0.0;
-  Eigen::Vector3d position_offset = Eigen::Vector3d::Zero();  ///< In the target's frame, metres.
+  Eigen::Vector3d position_offset = Eigen::Vector3d::Zero();  ///< Offset in the target's frame,
+                                                              ///< metres.
   /// bone_from_body: the body's orientation relative to the bone.
   Eigen::Quaterniond rotation_offset = Eigen::Quaterniond::Identity();
 
@@ -101,14 +102,14 @@ struct ConfigTask : IkTask {
 struct ResolvedConfig {
   struct Table {
     bool used = true;
-    std::vector<ConfigTask> tasks;  ///< In file order.
+    std::vector<ConfigTask> tasks;  ///< Tasks in file order.
   };
   std::string file;   ///< File name for messages.
   int root_body = 0;  ///< Index into Robot::bodies().
   Bone root_bone = Bone::kHips;
-  double ground_height = 0.0;            ///< As in RetargetingConfig.
+  double ground_height = 0.0;            ///< See RetargetingConfig::ground_height.
   double human_height_assumption = 1.8;  ///< Metres.
-  BoneArray<double> scales{1.0};         ///< For bones with tasks in use, and for the root bone.
+  BoneArray<double> scales{1.0};  ///< Scales of bones with tasks in use, and of the root bone.
   std::array<Table, 2> match_tables;
 
   /// The first task of a bone with a weight, else its first task; null if the bone has no task.
@@ -162,7 +163,7 @@ struct HumanConfig {
 }
 
 /// Target pose with position offset: p'' = p' + q' o.
-/// @param offset  in the target's frame, metres.
+/// @param offset  offset in the target's frame, metres.
 [[nodiscard]] inline Pose offset_target(const Eigen::Quaterniond& world_from_target,
                                         const Eigen::Vector3d& scaled,
                                         const Eigen::Vector3d& offset) {

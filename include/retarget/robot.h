@@ -25,8 +25,9 @@ class Robot;
 struct LimitSet {
   std::string name;           ///< `official`, `gmr`, `model`, or the file it came from.
   std::string source;         ///< Source of the values, human-readable; may be empty.
-  std::vector<double> lower;  ///< By joint in the robot's joint order, rad or m; -infinity: none.
-  std::vector<double> upper;  ///< As lower; +infinity: none. lower <= upper.
+  std::vector<double> lower;  ///< Lower limits in the robot's joint order, rad or m; -infinity:
+                              ///< none.
+  std::vector<double> upper;  ///< Upper limits, likewise; +infinity: none. lower <= upper.
 };
 
 /// A limit set of the robot by name, or from a file: JSON `{"joint": [lower, upper], ...}` or the
@@ -46,7 +47,7 @@ using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
 struct RobotBody {
   std::string name;
   int parent = 0;
-  Pose parent_from_body;  ///< At the zero position of the body's joints; metres.
+  Pose parent_from_body;  ///< Pose at the zero position of the body's joints; metres.
 };
 
 /// A hinge or slide joint: one degree of freedom.
@@ -55,8 +56,9 @@ struct RobotJoint {
   std::string name;
   Type type = Type::kHinge;
   int body = 0;                                      ///< The body that it moves.
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< Unit, in the body's frame.
-  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< In the body's frame, metres.
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< Unit vector in the body's frame.
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< Point on the axis in the body's frame,
+                                                     ///< metres.
   double reference = 0.0;  ///< Joint position at which the body's pose is parent_from_body.
   int qpos_address = 0;    ///< Index into a configuration.
   int dof_address = 0;     ///< Index into a velocity.
@@ -66,7 +68,7 @@ struct RobotJoint {
 struct Sole {
   std::string side;  ///< `left` or `right`.
   int body = 0;
-  std::vector<Eigen::Vector3d> points;  ///< In the body's frame, metres.
+  std::vector<Eigen::Vector3d> points;  ///< Points in the body's frame, metres.
   std::vector<std::string> labels;      ///< One per point; may be empty.
 };
 
@@ -112,21 +114,21 @@ struct JointCoupling {
 struct RobotProfile {
   std::string name;
   std::string description, source, licence;  ///< Human-readable.
-  std::string revision;                  ///< Of the source, human-readable; empty: not recorded.
-  std::string revision_date;             ///< Of that revision, YYYY-MM-DD; empty: not recorded.
+  std::string revision;       ///< Revision of the source, human-readable; empty: not recorded.
+  std::string revision_date;  ///< Date of that revision, YYYY-MM-DD; empty: not recorded.
   std::vector<std::string> joint_order;  ///< Output columns; empty: the model's order.
   std::vector<LimitSet> limit_sets;
   std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
   std::map<std::string, std::string> method_limits;  ///< Default set of a method.
-  std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
+  std::map<std::string, double> speed_limits;        ///< Limits by joint name, rad/s or m/s.
   std::string speed_limits_source;                   ///< Human-readable.
-  double default_speed_limit = kDefaultSpeedLimit;   ///< For hinges not in speed_limits, rad/s.
-  std::map<std::string, double> torque_limits;       ///< By joint name, N m or N.
-  std::string torque_limits_source;                  ///< Human-readable.
+  double default_speed_limit = kDefaultSpeedLimit;  ///< Limit of hinges not in speed_limits, rad/s.
+  std::map<std::string, double> torque_limits;      ///< Limits by joint name, N m or N.
+  std::string torque_limits_source;                 ///< Human-readable.
   /// Rotor inertia reflected through the gear, by joint name, kg m^2 or kg.
   std::map<std::string, double> rotor_inertias;
   std::string rotor_inertias_source;  ///< Human-readable.
-  /// By name of the driven joint. Only the hand solver uses them (docs/hands.md).
+  /// Couplings by name of the driven joint. Only the hand solver uses them (docs/hands.md).
   std::map<std::string, JointCoupling> coupled_joints;
   std::map<std::string, double> t_pose;  ///< Non-zero joint positions of the T-pose, rad or m.
   std::vector<Sole> soles;

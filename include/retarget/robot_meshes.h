@@ -13,12 +13,12 @@ namespace RETARGET_API retarget {
 /// Visual mesh of a body.
 struct BodyMesh {
   int body = 0;
-  TriangleMesh mesh;  ///< In the body's frame.
+  TriangleMesh mesh;  ///< Mesh in the body's frame.
 };
 
 /// Visual meshes of a robot.
 struct RobotMeshes {
-  std::vector<BodyMesh> bodies;    ///< At most one per body.
+  std::vector<BodyMesh> bodies;    ///< Bodies with a mesh, each at most once.
   std::vector<std::string> notes;  ///< Meshes that are missing or unreadable, one sentence each.
 };
 

@@ -20,7 +20,7 @@ using RobotFolders = std::vector<std::filesystem::path>;
 struct KnownRobot {
   std::string name;
   std::string description;
-  std::string licence;      ///< As stated in its robot.json.
+  std::string licence;      ///< Licence stated in its robot.json.
   bool in_packages = true;  ///< True if the licence permits distribution in every install.
 };
 

@@ -195,7 +195,7 @@ struct RecordedRun {
 [[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor,
                                                  bool verbose);
 /// Minimum distance to the joint limits, and joints that stay at a limit with the reason.
-/// @param report  of the motion; null: only the distance.
+/// @param report  report on the motion; null: only the distance.
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion,
                                                    const QualityReport* report);
 

@@ -53,21 +53,21 @@ inline constexpr std::array<std::string_view, 8> kSupportNames = {
     "left_knee", "right_knee", "left_elbow", "right_elbow",
     "left_hand", "right_hand", "seat",       "back"};
 
-/// The same part of the other side: `right_hand` for `left_hand`; `seat` for `seat`.
+/// Returns the part on the other side: `right_hand` for `left_hand`; `seat` for `seat`.
 [[nodiscard]] std::string part_of_other_side(const std::string& part);
 
 /// Contacts of a part of the human with a body of a scene, from a file.
 struct StatedContact {
   std::string part;           ///< One of kSupportNames.
-  std::size_t body = 0;       ///< Of the scene; in a track: 0.
-  std::vector<char> touches;  ///< By frame.
+  std::size_t body = 0;       ///< Index of a body of the scene; in a track: 0.
+  std::vector<char> touches;  ///< Whether they touch, one entry per frame.
 };
 
 /// The path of one moving body.
 struct ObjectTrack {
   std::string body;                   ///< Empty: the only moving body.
   std::optional<FrameRate> rate;      ///< Empty: the rate of the clip.
-  std::vector<Pose> world_from_body;  ///< By frame; metres, Z up.
+  std::vector<Pose> world_from_body;  ///< One pose per frame; metres, Z up.
   /// Contacts of all parts with the body; empty: the file does not state them.
   std::vector<StatedContact> contacts;
 };
@@ -88,7 +88,7 @@ struct SceneClip {
   FrameRate rate;
   int frame_count = 0;
   std::vector<Pose> world_from_body;    ///< Frame-major.
-  std::vector<StatedContact> contacts;  ///< Of bodies whose tracks state them.
+  std::vector<StatedContact> contacts;  ///< Contacts of bodies whose tracks state them.
 
   [[nodiscard]] const Pose& pose(int frame, std::size_t body) const {
     return world_from_body[static_cast<std::size_t>(frame) * scene->bodies.size() + body];
@@ -102,7 +102,8 @@ struct SceneClip {
 /// supported; numbers that are not finite.
 [[nodiscard]] Result<Scene> load_scene(const std::string& file);
 
-/// The file of a track's specification, FILE or BODY=FILE. A file may have such a name itself.
+/// Returns the file of a track's specification, FILE or BODY=FILE. If a file named exactly `spec`
+/// exists, it is used as the file.
 [[nodiscard]] std::string object_track_file(const std::string& spec);
 
 /// Reads the track of an object from NPZ, NPY, CSV, or the columns of InterMimic's tensors.
@@ -115,8 +116,8 @@ struct ClipTimes {
   FrameRate source_rate;  ///< Rate of the source clip.
   int source_frames = 0;  ///< Number of frames of the source clip.
   int source_begin = 0;   ///< First used frame of the source clip.
-  FrameRate rate;         ///< Of the result.
-  int frame_count = 0;    ///< Of the result.
+  FrameRate rate;         ///< Frame rate of the result.
+  int frame_count = 0;    ///< Number of frames of the result.
 };
 
 /// Places all bodies of a scene in every frame of a clip. Positions are interpolated by cubic

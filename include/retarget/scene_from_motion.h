@@ -15,7 +15,7 @@ namespace RETARGET_API retarget {
 
 /// A raised surface on which a human rests.
 struct FoundSurface {
-  std::string body;     ///< Of the scene: `step_1`, `seat_1`, `rest_1` (hands).
+  std::string body;     ///< Body of the scene: `step_1`, `seat_1`, `rest_1` (hands).
   double height = 0.0;  ///< Metres above the floor.
   Eigen::Vector2d size = Eigen::Vector2d::Zero();  ///< Sides of the box, metres.
   int rests = 0;                                   ///< Number of stances and rests on it.
@@ -25,7 +25,7 @@ struct FoundSurface {
 /// The scene around a human, derived from its motion.
 struct SceneFromMotion {
   Scene scene;
-  std::vector<FoundSurface> surfaces;  ///< By body of the scene.
+  std::vector<FoundSurface> surfaces;  ///< One per body of the scene.
 };
 
 /// Finds boxes on which a human steps, sits or leans, from the motion alone.

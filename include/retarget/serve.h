@@ -45,9 +45,9 @@ class MessageWriter {
 
 /// Calibration of the body of a stream.
 enum class LiveCalibration : unsigned char {
-  kAuto,   ///< From the skeleton's file or header.
-  kTpose,  ///< From a T-pose some seconds after the first frame.
-  kNpose,  ///< From a pose with arms down some seconds after the first frame.
+  kAuto,   ///< Uses the skeleton's file or header.
+  kTpose,  ///< Uses a T-pose some seconds after the first frame.
+  kNpose,  ///< Uses a pose with arms down some seconds after the first frame.
 };
 
 /// The clock that sets the pace of robot frames.
@@ -96,7 +96,7 @@ struct ServeOptions {
   LivePipelineOptions pipeline;
   std::string input = "stdin";  ///< An address: `udp:1118?format=bvh`, `stdin`, ... (docs/live.md).
   std::vector<std::string> outputs;  ///< Addresses; empty: standard output.
-  std::optional<Clip> skeleton;      ///< From a file.
+  std::optional<Clip> skeleton;      ///< Skeleton from a file; empty: none.
   double seconds = 0.0;              ///< Duration of the run, seconds; 0: unlimited.
   double silent_s = 0.0;             ///< End after this time without input; 0: never.
   std::string record;                ///< Folder in which to record input and output; empty: none.

@@ -41,8 +41,8 @@ struct ServeRequest {
 
 /// Loads the skeleton, chooses the pace, writes the options into the folder of the recording, and
 /// serves.
-/// @param robot  that of the request, set up with the options of its pipeline.
-/// @param request  from prepare_serve().
+/// @param robot    robot of the request, set up with the options of its pipeline.
+/// @param request  result of prepare_serve().
 [[nodiscard]] Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request,
                                                  const ServeControl& control);
 

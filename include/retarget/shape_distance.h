@@ -21,7 +21,7 @@ struct RoundedShape {
                                               Eigen::Vector3d::Zero()};
   int axis_count = 0;
   double radius = 0.0;           ///< Metres.
-  double bounding_radius = 0.0;  ///< Of the sphere about the centre that encloses the shape,
+  double bounding_radius = 0.0;  ///< Radius of the sphere about the centre that encloses the shape,
                                  ///< metres.
 };
 

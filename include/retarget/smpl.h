@@ -46,9 +46,10 @@ inline constexpr std::array<int, kSmplTipCount> kSmplTipJoints = {15, 10, 11, 20
 /// Metres, in the models' axes: x to the body's left, y up, z forward. The origin is the model's
 /// origin, which `trans` of a motion translates.
 struct SmplRestBody {
-  std::array<Eigen::Vector3d, kSmplJointCount> joints;  ///< In the order of kSmplJointNames.
-  std::array<Eigen::Vector3d, kSmplTipCount> tips;      ///< By SmplTip.
-  double height = 0.0;                                  ///< From the soles to the top of the head.
+  std::array<Eigen::Vector3d, kSmplJointCount> joints;  ///< Positions in the order of
+                                                        ///< kSmplJointNames.
+  std::array<Eigen::Vector3d, kSmplTipCount> tips;      ///< Positions, indexed by SmplTip.
+  double height = 0.0;  ///< Height from the soles to the top of the head.
   /// Positions of the hand joints (kSmplHandJointCount). If empty, a skeleton with fingers uses
   /// average ones.
   std::vector<Eigen::Vector3d> hands = {};
@@ -70,7 +71,7 @@ struct SmplRestBody {
 /// A body from the joint offsets to their parents in the zero pose, which some motion files
 /// contain. The pelvis offset is ignored; the origin is the pelvis. Tips and height come from the
 /// generic body that has the same height of the head above the ankles.
-/// @param offsets  in the order of kSmplJointNames, metres, in the models' axes.
+/// @param offsets  offsets in the order of kSmplJointNames, metres, in the models' axes.
 /// @return nothing if the offsets are not those of a T-pose body in metres.
 [[nodiscard]] std::optional<SmplRestBody> smpl_rest_body_of_offsets(
     std::span<const Eigen::Vector3d> offsets);
@@ -86,7 +87,7 @@ struct SmplRestBody {
 [[nodiscard]] std::vector<int> smpl_skeleton_order(bool fingers = false);
 
 /// Computes the joint rotations of smpl_skeleton in one frame.
-/// @param order           from smpl_skeleton_order.
+/// @param order           result of smpl_skeleton_order.
 /// @param rotations       rotation vectors in rad, in the order of kSmplJointNames.
 /// @param hand_rotations  rotation vectors of the hand joints, if `order` includes them.
 /// @param y_is_up         the world has Y up; the pose is rotated to Z up.

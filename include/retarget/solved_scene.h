@@ -37,7 +37,7 @@ struct SolvedScene {
   /// Contacts of the human's parts with bodies of the scene; those of feet are in Motion::contacts.
   std::vector<SceneContact> contacts;
   std::vector<SceneContact> on_floor;  ///< Contacts of the same parts with the floor.
-  /// For each phase of Motion::contacts, the body of the scene under the foot, or kFloorBody.
+  /// Body of the scene under the foot, or kFloorBody, for each phase of Motion::contacts.
   std::array<std::vector<int>, 4> under_feet;
 };
 

@@ -13,11 +13,11 @@ namespace RETARGET_API retarget {
 /// sample, and `s` in [0, 1] is the fraction between one sample and the next.
 ///
 /// Velocities at the samples come from the C2 cubic spline with not-a-knot ends (the first two
-/// pieces are a single cubic, likewise the last two), so polynomials up to the third degree are
+/// segments are a single cubic, likewise the last two), so polynomials up to the third degree are
 /// reproduced exactly, including the ends. For a 3 Hz unit sine resampled from 24 to 30 Hz, the
-/// largest error is 0.11 % inside and 0.41 % in the end pieces, compared with 0.9 % and 1.5 % for
-/// Catmull-Rom velocities. In return, a velocity depends on all samples; the influence changes by a
-/// factor of -0.27 per sample of distance.
+/// largest error is 0.11 % inside and 0.41 % in the end segments, compared with 0.9 % and 1.5 % for
+/// Catmull-Rom velocities. The price: each velocity depends on all samples, with weights that decay
+/// by a factor of -0.27 per sample.
 ///
 /// Rotations are interpolated in the same way in the tangent space: steps are rotation vectors
 /// log(q1 q0^-1), velocities are angular velocities in the frame that the rotations map to (for a
@@ -45,8 +45,8 @@ namespace RETARGET_API retarget {
                                                 const Eigen::Vector3d& p1,
                                                 const Eigen::Vector3d& v1, double s);
 
-/// The same for rotations. The result is a unit quaternion whose sign continues that of q0; the
-/// sign of q1 is ignored.
+/// Interpolates rotations likewise. The result is a unit quaternion whose sign continues that of
+/// q0; the sign of q1 is ignored.
 [[nodiscard]] Eigen::Quaterniond interpolate_cubic(const Eigen::Quaterniond& q0,
                                                    const Eigen::Vector3d& v0,
                                                    const Eigen::Quaterniond& q1,

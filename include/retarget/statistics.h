@@ -18,7 +18,7 @@ namespace RETARGET_API retarget {
 /// The middle value; for an even number of values, the mean of the two middle values. NaN as for
 /// percentile().
 [[nodiscard]] double median(std::vector<double> values);
-/// As median(), but without a copy: reorders the values.
+/// Like median(), but without a copy: reorders the values.
 [[nodiscard]] double median_in_place(std::span<double> values);
 
 }  // namespace retarget

@@ -22,7 +22,7 @@ struct SlowedStretch {
 /// of the motion therefore increases with that of the source and has a continuous third derivative.
 struct TimeScale {
   double knot_time = 0.1;  ///< Source time between two knots, seconds.
-  /// B-spline coefficients: the piece from knot i to i + 1 depends on i to i + 3. Coefficients
+  /// B-spline coefficients: the segment from knot i to i + 1 depends on i to i + 3. Coefficients
   /// beyond the end are 1.
   std::vector<double> pace;
   std::vector<SlowedStretch> stretches;  ///< Parts with a pace above 1.

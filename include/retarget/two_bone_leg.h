@@ -29,8 +29,8 @@ struct LegReach {
   /// @param own     distance from hip to ankle before the foot is moved; a leg that is straight in
   ///   the original motion stays straight.
   /// @param moved   displacement of the ankle relative to the hip; the larger it is, the less `own`
-  ///   counts. All in the same unit.
-  /// @param soft, farthest  as PlantOptions::soft_reach and max_reach, shares of the length.
+  ///   is used. All in the same unit.
+  /// @param soft, farthest  shares of the length; see PlantOptions::soft_reach and max_reach.
   static LegReach of(double length, double own, double moved, double soft, double farthest);
 
   /// The limited distance for a target distance.

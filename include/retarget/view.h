@@ -33,7 +33,7 @@ namespace RETARGET_API retarget {
 /// A motion on a page, with optional data. The pointees must outlive the call that makes the page.
 struct PageMotion {
   std::string label;                 ///< Any text; empty: the robot's name.
-  const RobotClip* clip = nullptr;   ///< At least one frame.
+  const RobotClip* clip = nullptr;   ///< Motion with at least one frame.
   const HumanClip* human = nullptr;  ///< Source, one frame per frame of the clip; null: none.
   /// Metrics, gates, faults and contacts, from measure or evaluate; null: none are shown.
   const QualityReport* report = nullptr;
@@ -73,7 +73,7 @@ struct PageOptions {
 
 /// Makes the page of a solved motion, with its source and metrics.
 /// @param report  result of evaluate; null: measured here.
-/// @param meshes  as PageMotion::meshes.
+/// @param meshes  see PageMotion::meshes.
 [[nodiscard]] Result<std::string> view_page(const Motion& motion, const std::string& label,
                                             const QualityReport* report = nullptr,
                                             const RobotMeshes* meshes = nullptr);
@@ -127,7 +127,7 @@ inline constexpr double kThumbnailWidth = 320.0, kThumbnailHeight = 96.0;
 
 /// Options for drawing a strip as SVG.
 struct StripOptions {
-  int poses = 6;      ///< At least one; limited to the number of frames.
+  int poses = 6;      ///< Number of poses, at least one; limited to the number of frames.
   std::string title;  ///< Any text; empty: none.
 };
 
@@ -143,7 +143,7 @@ struct StripOptions {
 
 /// Options for drawing a strip as PNG.
 struct StripPictureOptions {
-  int poses = 6;                  ///< As StripOptions::poses.
+  int poses = 6;                  ///< See StripOptions::poses.
   double width = 1200.0;          ///< Maximum width of the image, pixels.
   double max_row_height = 420.0;  ///< Maximum height of the tallest figure, pixels.
   bool times = true;              ///< Draw times below the poses.

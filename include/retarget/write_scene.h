@@ -16,7 +16,7 @@ inline constexpr double kObjectDensity = 200.0;
 [[nodiscard]] Result<void> check_scene_ending(const std::string& file);
 
 /// Formats a robot's scene in the format of the file's extension: `.xml`, `.json` or `.obj`.
-/// @param motion  of the robot, with the frames of the scene.
+/// @param motion  motion of the robot, with the frames of the scene.
 /// Errors: those of check_scene_ending and of the formats.
 [[nodiscard]] Result<std::string> format_scene(const std::string& file, const RobotClip& motion,
                                                const SceneClip& scene);
