@@ -36,7 +36,8 @@ struct IkTask {
   Eigen::Quaterniond rotation_offset = Eigen::Quaterniond::Identity();
 
   /// Whether the source does not state the rotation of the bone, which follows its neighbours. The
-  /// body then follows it with kGuessedRotationShare of its weight, so that its joints do not drift.
+  /// body then follows it with kGuessedRotationShare of its weight, so that its joints do not
+  /// drift.
   bool rotation_is_guess = false;
 
   [[nodiscard]] bool has_weight() const { return position_weight != 0.0 || rotation_weight != 0.0; }

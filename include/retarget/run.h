@@ -169,8 +169,8 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] Result<SourceOptions> recorded_source(const std::string& path, SourceOptions options,
                                                     const DataFolder& data_folder);
 
-/// The travel (SolveOptions::travel, also that of a preset) recorded in the sidecar of a motion; empty
-/// for none, without a sidecar or if it is not used.
+/// The travel (SolveOptions::travel, also that of a preset) recorded in the sidecar of a motion;
+/// empty for none, without a sidecar or if it is not used.
 [[nodiscard]] std::string recorded_travel(const std::string& path);
 /// The time scaling recorded likewise; empty for none.
 [[nodiscard]] std::optional<TimeScale> recorded_time_scale(const std::string& path);
@@ -294,9 +294,9 @@ struct ConvertRequest {
 [[nodiscard]] Result<std::vector<WrittenFile>> convert_motion(const ConvertRequest& request,
                                                               Observer& observer);
 
-/// Checks that the run recorded in a sidecar still gives the recorded bytes and report, by repeating
-/// it without writing. Reports inputs that have changed since, and the agreement. Inputs that moved
-/// together with the sidecar are found next to it.
+/// Checks that the run recorded in a sidecar still gives the recorded bytes and report, by
+/// repeating it without writing. Reports inputs that have changed since, and the agreement. Inputs
+/// that moved together with the sidecar are found next to it.
 /// Errors: not a sidecar, or a motion that cannot be read again (kInput); the errors of the run;
 /// the output or its report differs, or its file has changed (kRun).
 [[nodiscard]] Result<void> verify_run(const std::string& sidecar, const DataFolder& data_folder,

@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// SHA-256 of bytes that arrive in pieces (FIPS 180-4, section 6.2).
+/// SHA-256 of bytes that arrive in chunks (FIPS 180-4, section 6.2).
 ///
 /// On x86-64 the processor's SHA instructions are used if it has them; the digest is the same.
 class Sha256 {
@@ -25,12 +25,14 @@ class Sha256 {
   std::uint64_t size_ = 0;                // Size of all bytes so far.
 };
 
-/// The compression function of the standard on `count` blocks of 64 bytes, for Sha256 and its tests.
+/// The compression function of the standard on `count` blocks of 64 bytes, for Sha256 and its
+/// tests.
 using Sha256Blocks = void (*)(std::array<std::uint32_t, 8>& state, const std::uint8_t* blocks,
                               std::size_t count);
 void sha256_blocks(std::array<std::uint32_t, 8>& state, const std::uint8_t* blocks,
                    std::size_t count);
-/// The same with the SHA instructions of x86-64; null on processors without them.
+/// Returns the compression function that uses the SHA instructions of x86-64; null on processors
+/// without them.
 [[nodiscard]] Sha256Blocks sha256_blocks_by_instructions();
 
 }  // namespace retarget

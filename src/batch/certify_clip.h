@@ -34,7 +34,7 @@ namespace retarget {
 /// (`tracked_pct`, `predicted_tracking_success`) to those of the clip.
 /// @param run     the run that made the motion.
 /// @param mirror  whether it mirrored the source.
-/// @param gates   as for changed_gates().
+/// @param gates   gates; see changed_gates().
 /// @return the certificate's file.
 /// Errors: those of certify() and write_file().
 [[nodiscard]] Result<std::string> certify_clip(const Run& run, bool mirror,

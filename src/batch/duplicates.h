@@ -33,7 +33,7 @@ inline constexpr double kDuplicateDistance = 2.5;
 /// For each clip, finds an earlier clip that it duplicates and that is not a duplicate itself.
 /// Instead of comparing all pairs, a k-d tree finds candidates with similar means, and the nearest
 /// of them are compared.
-/// @param clips       in order of preference; null or empty clips are never duplicates.
+/// @param clips       clips in order of preference; null or empty clips are never duplicates.
 /// @param keep_going  polled regularly; when it returns false, the remaining clips are skipped.
 /// @param limit       maximum distance of a duplicate, degrees.
 [[nodiscard]] std::vector<std::optional<DuplicateOf>> find_duplicates(

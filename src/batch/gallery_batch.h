@@ -19,7 +19,7 @@ struct BatchFolder {
   std::string folder;
   std::vector<ManifestEntry> entries;  ///< The last entry of each clip and robot.
   int unreadable = 0;                  ///< Number of truncated or invalid manifest lines.
-  std::map<std::string, nlohmann::ordered_json> options;  ///< By hash.
+  std::map<std::string, nlohmann::ordered_json> options;  ///< Options by hash.
 };
 
 /// Reads all manifests of a folder, including those of parts, and its options. The batch may still

@@ -79,7 +79,8 @@ struct ManifestEntry {
 
 /// The readable content of a manifest.
 struct ManifestContent {
-  std::vector<ManifestEntry> entries;  ///< In file order, including older entries of a clip.
+  std::vector<ManifestEntry> entries;  ///< Entries in file order, including older entries of a
+                                       ///< clip.
   int unreadable = 0;                  ///< Invalid lines, including a truncated last one.
   int outside = 0;                     ///< Lines that name a path outside of their folder.
   std::string outside_name;            ///< The first such name.

@@ -15,7 +15,7 @@ namespace retarget {
 
 /// One of several parts of a batch.
 struct Shard {
-  int index = 1;  ///< From 1 to `count`.
+  int index = 1;  ///< Number of this part, from 1 to `count`.
   int count = 1;  ///< Number of parts.
 };
 

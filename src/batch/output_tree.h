@@ -31,7 +31,7 @@ namespace retarget {
 /// The output folders of these clips, including the folder of the batch.
 [[nodiscard]] std::set<std::filesystem::path> output_folders(const std::string& folder,
                                                              const std::vector<BatchTask>& tasks);
-/// The same, derived from entries of one or several robots.
+/// Output folders of the entries of one or several robots.
 [[nodiscard]] std::set<std::filesystem::path> output_folders(
     const std::string& folder, const std::vector<ManifestEntry>& entries);
 
@@ -62,7 +62,7 @@ class FolderLock {
 
   /// Takes the lock.
   /// @param folder  must exist.
-  /// @param name    of the lock file in the folder.
+  /// @param name    name of the lock file in the folder.
   /// Errors (kRun): another process has the lock (the message names it); the folder is not
   /// writable.
   [[nodiscard]] static Result<FolderLock> take(const std::string& folder, const std::string& name,

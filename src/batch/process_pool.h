@@ -37,7 +37,8 @@ struct TaskEnd {
   bool timed_out = false;  ///< The task exceeded its time limit.
   int signal = 0;          ///< Signal that ended the process; 0: it exited by itself.
   std::string signal_name;
-  /// By SIGKILL or SIGTERM, which the system and its daemons send when memory runs out.
+  /// True if SIGKILL or SIGTERM ended it, which the system and its daemons send when memory runs
+  /// out.
   bool was_killed = false;
 };
 

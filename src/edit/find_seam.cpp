@@ -111,16 +111,16 @@ class SeamFinder {
     return true;
   }
 
-  // Whether a seam leaves too little of a clip. Where both clips contain the same motion, the same
-  // moment of both fits best, as if a clip is joined to itself, but leaves this motion once.
+  // Whether a seam leaves too little of a clip. If both clips contain the same motion, as when a
+  // clip is joined to itself, the best match is the same moment in both clips, but the result then
+  // contains the motion only once.
   [[nodiscard]] bool loses_a_clip(int lost_of_a, int lost_of_b) const {
     return is_most_of(lost_of_a, a_.frame_count) || is_most_of(lost_of_b, b_.frame_count) ||
            (share_motion_ && is_most_of(lost_of_a + lost_of_b, shorter()));
   }
 
   // Returns the number of frames at the end of a that equal the first frames of b, also if
-  // translated. A match of the whole clip does not count: a clip may be joined to itself on
-  // purpose.
+  // translated. A match of the whole clip is ignored: a clip may be joined to itself on purpose.
   [[nodiscard]] int shared_frames() const {
     const int whole = shorter();
     const int near = static_cast<int>(band_a_.size());

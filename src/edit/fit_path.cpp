@@ -17,7 +17,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::RowVector2d;
 
-// Weights of position and derivative at both ends of a piece.
+// Weights of position and derivative at both ends of a segment.
 struct Basis {
   RowVector2d left, right;
 };
@@ -124,7 +124,7 @@ struct FittedTrack {
   double largest_distance = 0.0;
 };
 
-// Splits pieces that deviate too far from the track; returns true if any were split.
+// Splits segments that deviate too far from the track; returns true if any were split.
 bool refine_knots(const CubicChain& chain, const std::vector<double>& distances,
                   const PathFitOptions& options, std::vector<double>& knots) {
   knots = {chain.knots.front()};

@@ -15,12 +15,12 @@ namespace retarget {
 /// A chain of cubics over intervals of a parameter, with continuous first derivatives.
 struct CubicChain {
   std::vector<double> knots;  ///< Increasing.
-  /// Per knot: position in the first row, derivative in the second.
+  /// One per knot: position in the first row, derivative in the second.
   std::vector<Eigen::Matrix2d> nodes;
 
   [[nodiscard]] std::size_t piece_of(double parameter) const;
   [[nodiscard]] Eigen::Vector2d at(double parameter) const;
-  /// Bezier control points, 3 * pieces + 1.
+  /// Bezier control points, 3 * segments + 1.
   [[nodiscard]] std::vector<Eigen::Vector2d> control_points() const;
 };
 
@@ -31,7 +31,7 @@ struct CubicChain {
                                          const std::vector<Eigen::Vector2d>& points,
                                          const std::vector<double>& weights);
 
-/// The same for a human that is already posed.
+/// Fits a path to a human that is already posed.
 [[nodiscard]] Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options);
 
 /// Returns the moving frame of a path, per frame of a motion: position, and heading of the tangent,

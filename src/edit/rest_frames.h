@@ -24,7 +24,7 @@ struct Leaving {
 
 /// Returns the rest directions from a target joint and its counterpart, for children that have
 /// counterparts.
-/// @param twins  by target joint: index of the counterpart in the source; -1: none.
+/// @param twins  index of each target joint's counterpart in the source; -1: none.
 /// @param turn   rotation applied to the source's directions.
 [[nodiscard]] Leaving leaving_of(const Skeleton& source, const Skeleton& target,
                                  const std::vector<int>& twins, int joint,

@@ -29,7 +29,8 @@ inline constexpr double kMostLost = 0.9;
 
 struct SeamSearch {
   std::vector<Seam> seams;  ///< The best seam, then the next best ones elsewhere; at least one.
-  bool first_is_shared = false;  ///< At the first seam, the end of a is the beginning of b.
+  bool first_is_shared = false;  ///< Whether, at the first seam, the end of a is the beginning of
+                                 ///< b.
   SeamMap map;
 };
 
@@ -70,7 +71,8 @@ struct SeamRegion {
 
 /// The feet of one of two joined clips.
 struct ClipFeet {
-  std::array<std::vector<Pose>, 2> ankles;  ///< In the clip's position within the result.
+  std::array<std::vector<Pose>, 2> ankles;  ///< Ankle poses, in the clip's position within the
+                                            ///< result.
   ContactPlan contacts;
 };
 
@@ -115,7 +117,7 @@ struct JoinedClips {
 };
 
 /// Joins b to a at a seam: blends the frames around it, plants the feet and checks the result.
-/// @param b  in its final position, with a's skeleton and rate.
+/// @param b      clip in its final position, with a's skeleton and rate.
 /// @param mover  mover of their skeleton.
 [[nodiscard]] Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b,
                                              const Seam& seam, const Calibration& calibration,

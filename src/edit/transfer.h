@@ -46,12 +46,12 @@ struct UncarriedJoints {
 /// Joints of two skeletons matched by their own and their parent's name, with the difference of
 /// their rest poses.
 struct SharedJoints {
-  std::vector<int> twins;  ///< By target joint: index in the source; -1: none.
-  /// By target joint: rotation from source rest axes to target rest axes. Bones use both T-poses;
-  /// other matched joints use their parent's rotation, adjusted so that their child directions are
-  /// kept.
+  std::vector<int> twins;  ///< Index in the source of each target joint; -1: none.
+  /// One per target joint: rotation from source rest axes to target rest axes. Bones use both
+  /// T-poses; other matched joints use their parent's rotation, adjusted so that their child
+  /// directions are kept.
   std::vector<Eigen::Quaterniond> turns;
-  Eigen::Quaterniond world_turn;  ///< The same rotation for the world axes.
+  Eigen::Quaterniond world_turn;  ///< Rotation from the source's to the target's world axes.
 
   /// Returns the rotation of a joint's parent, or of the world.
   [[nodiscard]] const Eigen::Quaterniond& turn_above(const Skeleton& target, int joint) const {

@@ -56,7 +56,7 @@ class TrackSampler {
 /// The times of a motion whose source is slowed down by a TimeScale.
 class TimeWarp {
  public:
-  /// @param duration  of the source, seconds.
+  /// @param duration  duration of the source, seconds.
   TimeWarp(const TimeScale& scale, double duration);
 
   /// Seconds of the motion per second of the source, at a time of the source in seconds.

@@ -17,7 +17,7 @@ namespace retarget {
 struct GridLayout {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< Metres, in the mesh's frame.
   double spacing = 0.0;                              ///< Metres.
-  std::array<int, 3> nodes{};                        ///< Per axis.
+  std::array<int, 3> nodes{};                        ///< Number of nodes per axis.
 
   [[nodiscard]] std::size_t count() const {
     return static_cast<std::size_t>(nodes[0]) * static_cast<std::size_t>(nodes[1]) *
@@ -35,13 +35,13 @@ struct GridLayout {
 /// splines) and without twist.
 class DistanceGrid {
  public:
-  /// @param values  by node, the x index fastest, metres.
+  /// @param values  distances by node, the x index fastest, metres.
   DistanceGrid(const GridLayout& layout, const std::vector<float>& values);
 
   /// Outside the grid, the distance is that to the surface point below the nearest point of the
-  /// grid. It continues value and gradient across the border; it is never too small, and exact where
-  /// that surface point is the nearest one.
-  /// @param point  in the mesh's frame, metres.
+  /// grid. It continues value and gradient across the border; it is never too small, and exact
+  /// where that surface point is the nearest one.
+  /// @param point  point in the mesh's frame, metres.
   [[nodiscard]] SurfaceDistance at(const Eigen::Vector3d& point) const;
 
   [[nodiscard]] const GridLayout& layout() const { return layout_; }

@@ -52,7 +52,7 @@ Result<std::size_t> body_of(const ObjectTrack& track, const Scene& scene) {
 // Position of a result's frames in a track.
 class TrackPlace {
  public:
-  // @param rate  of the track
+  // @param rate  frame rate of the track
   TrackPlace(const FrameRate& rate, const ClipTimes& times) {
     const FrameRate& source = times.source_rate;
     // Rates that differ only by rounding mean the same frames.

@@ -9,8 +9,8 @@
 
 namespace retarget {
 
-/// A tree of boxes around the triangles of a mesh, for exact distances and winding numbers. The same
-/// mesh gives the same tree on every machine.
+/// A tree of boxes around the triangles of a mesh, for exact distances and winding numbers. The
+/// same mesh gives the same tree on every machine.
 class TriangleTree {
  public:
   /// @pre the mesh has triangles, and all their corners are finite.
@@ -18,15 +18,15 @@ class TriangleTree {
 
   struct Nearest {
     double squared_distance = 0.0;  ///< Square metres.
-    int triangle = -1;              ///< In the order of the tree.
+    int triangle = -1;              ///< Index in the order of the tree.
   };
   /// @param guess  a triangle that is probably near, from an earlier result; -1: none. It affects
   /// the time, and which of several equally near triangles is found.
   [[nodiscard]] Nearest nearest(const Eigen::Vector3d& point, int guess = -1) const;
 
   /// How often the surface winds around a point: 1 inside a closed mesh whose triangles face
-  /// outward, 0 outside, a fraction near holes. Far parts of the surface count as dipoles (Barill et
-  /// al., "Fast winding numbers for soups and clouds", 2018); errors are below 0.05.
+  /// outward, 0 outside, a fraction near holes. Far parts of the surface count as dipoles (Barill
+  /// et al., "Fast winding numbers for soups and clouds", 2018); errors are below 0.05.
   [[nodiscard]] double winding_number(const Eigen::Vector3d& point) const;
 
  private:

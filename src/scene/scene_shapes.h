@@ -27,7 +27,7 @@ inline constexpr double kHeightDepth = 1.0;
     const std::string& file, ColladaAxes axes,
     const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
 
-/// The same for a mesh that a scene names: next to the scene's file or one folder up.
+/// Loads a mesh that a scene names: next to the scene's file or one folder up.
 [[nodiscard]] Result<TriangleMesh> find_scene_mesh(
     const std::string& named, const std::string& scene_file, ColladaAxes axes,
     const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
@@ -38,7 +38,7 @@ inline constexpr double kHeightDepth = 1.0;
                                                      const Pose& body_from_mesh);
 
 /// The solid below a height field, with side walls and a bottom.
-/// @param heights  by row, metres; row r and column c lie at (c * spacing.x, r * spacing.y)
+/// @param heights  heights by row, metres; row r and column c lie at (c * spacing.x, r * spacing.y)
 /// @param columns  at least 2; the rows must be complete, and at least 2.
 /// @param bottom   z of the bottom, below all heights, metres.
 [[nodiscard]] TriangleMesh height_mesh(const std::vector<double>& heights, std::size_t columns,

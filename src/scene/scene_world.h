@@ -13,8 +13,8 @@ namespace retarget {
 /// A scene over time and the distance fields of its bodies. World frame: metres, Z up, floor z = 0.
 struct SceneWorld {
   SceneClip clip;
-  std::vector<DistanceField> fields;  ///< By body, for the sizes in `scales`.
-  std::vector<double> scales;         ///< By body: its size relative to that of its field.
+  std::vector<DistanceField> fields;  ///< One per body, for the sizes in `scales`.
+  std::vector<double> scales;         ///< Size of each body relative to that of its field.
 
   [[nodiscard]] std::size_t body_count() const { return fields.size(); }
   [[nodiscard]] bool moves(std::size_t body) const { return clip.scene->bodies[body].moves; }
@@ -45,7 +45,7 @@ struct SceneWorld {
 /// depend on the origin of the body's frame.
 class BodyAnchor {
  public:
-  /// @param field  of the body; must outlive the result.
+  /// @param field  distance field of the body; must outlive the result.
   BodyAnchor(const SceneBody& body, const DistanceField& field);
 
   /// The anchor relative to the origin of the body's frame, world axes, metres.

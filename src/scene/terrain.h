@@ -11,9 +11,9 @@ namespace retarget {
 struct Terrain {
   Eigen::Vector2d edge = Eigen::Vector2d::Zero();    ///< A point of the edge.
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();  ///< Unit vector; the ground rises this way.
-  double rise = 0.0, tread = 0.0;                    ///< Of a step, metres; 0: a slope.
-  int count = 0;                                     ///< Number of steps.
-  double slope = 0.0;                                ///< Angle, radians.
+  double rise = 0.0, tread = 0.0;  ///< Height and depth of a step, metres; 0: a slope.
+  int count = 0;                   ///< Number of steps.
+  double slope = 0.0;              ///< Angle, radians.
 
   [[nodiscard]] bool is_slope() const { return tread == 0.0; }
   /// Distance of a point behind the edge, metres.
@@ -27,8 +27,8 @@ struct Terrain {
 };
 
 /// A scene of one static body, `stairs` or `slope`.
-/// @param length  from the edge to the end of the landing or slope, metres
-/// @param width   across, metres
+/// @param length  length from the edge to the end of the landing or slope, metres
+/// @param width   width across, metres
 [[nodiscard]] Scene terrain_scene(const Terrain& terrain, double length, double width);
 
 }  // namespace retarget

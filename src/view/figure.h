@@ -24,7 +24,7 @@ class SvgWriter {
   void stroke(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width,
               std::string_view colour);
   /// Fills a convex area.
-  /// @param corners    in order, as columns.
+  /// @param corners    corners in order, as columns.
   /// @param rim        width of an outline with round corners in the same colour; 0: none.
   void area(const Eigen::Matrix2Xd& corners, std::string_view colour, double rim);
   /// @param text  any text; it is escaped.
@@ -57,8 +57,8 @@ struct Camera {
 /// A single-coloured part that is drawn as a whole, in depth order.
 struct FigurePart {
   struct Piece {
-    /// On the page, metres. One point: a disc; two: a line with round ends; more: the corners of a
-    /// convex area in order.
+    /// Points on the page, metres. One point: a disc; two: a line with round ends; more: the
+    /// corners of a convex area in order.
     Eigen::Matrix2Xd points;
     double radius = 0.0;  ///< Radius of disc or line, metres.
     double light = 1.0;   ///< Brightness from 0 (shadow) to 1.

@@ -28,7 +28,7 @@ struct WrittenMotion {
 
 // Steps of numbers on a page; the error is half a step.
 inline constexpr double kPageRootStep = 1e-4;        ///< Metres.
-inline constexpr double kPageQuaternionStep = 2e-5;  ///< Per component.
+inline constexpr double kPageQuaternionStep = 2e-5;  ///< Step of each component.
 inline constexpr double kPageMeshStep = 4e-4;        ///< Metres.
 
 /// A pose as [x, y, z, w, x, y, z], the quaternion last.

@@ -49,8 +49,8 @@ class TrackPacker {
 /// Why a page cannot hold a scene; empty if it can.
 [[nodiscard]] std::string scene_excess(const SceneClip& scene);
 
-/// Adds a mesh as two tracks whose frames are vertices (metres) and triangles, and puts their indices
-/// into `json`. Errors: those of TrackPacker::add.
+/// Adds a mesh as two tracks whose frames are vertices (metres) and triangles, and puts their
+/// indices into `json`. Errors: those of TrackPacker::add.
 [[nodiscard]] Result<void> pack_mesh(const TriangleMesh& mesh, TrackPacker& packer,
                                      nlohmann::ordered_json& json);
 
@@ -73,7 +73,7 @@ class ScenePacker {
 
 /// The contacts of a motion with bodies of its scene, a list of objects: `part`, `surface`, and
 /// `phases`, frames [begin, end) sorted by time.
-/// @param frames  of the motion; contacts end there.
+/// @param frames  frame count of the motion; contacts end there.
 [[nodiscard]] nlohmann::ordered_json page_touches(const ContactLabels& labels, int frames);
 
 }  // namespace retarget

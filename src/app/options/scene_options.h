@@ -15,7 +15,7 @@ namespace retarget {
 
 /// Ground that rises in one direction (SolveOptions::terrain).
 struct TerrainShape {
-  double rise = 0.0, tread = 0.0;  ///< Of a step, metres; 0: a slope.
+  double rise = 0.0, tread = 0.0;  ///< Height and depth of a step, metres; 0: a slope.
   int count = 0;                   ///< Number of steps; 0: as many as the human climbs.
   double slope = 0.0;              ///< Angle, radians.
 };

@@ -171,7 +171,7 @@ std::vector<Bone> HumanInClip::missing_bones() const {
 
 bool HumanInClip::is_lafan1() const {
   const std::string& profile = calibration.profile;
-  // A skeleton with LAFAN1's joints but another height does not count as LAFAN1.
+  // A skeleton with LAFAN1's joints but another height is not treated as LAFAN1.
   return (profile == "lafan1" || profile == "lafan1_resolved") &&
          calibration.rest_pose != "lafan1 axes";
 }

@@ -105,8 +105,9 @@ class LabelMaker {
   ContactLabels labels_;
 };
 
-// Names the contacts of a motion by the robot's bodies: those of feet and, in a scene, of other parts.
-// @param frame_count  of the motion; contacts end there.
+// Names the contacts of a motion by the robot's bodies: those of feet and, in a scene, of other
+// parts.
+// @param frame_count  frame count of the motion; contacts end there.
 // @param feet  contacts of the human's heels and toes.
 // @param scene  null: only the floor, under the feet.
 ContactLabels make_contact_labels(const Robot& robot, const ResolvedConfig& config, int frame_count,

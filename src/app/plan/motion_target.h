@@ -40,7 +40,7 @@ class MotionTarget {
 void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 
 /// Layouts of the single CSVs (csv, csv-soma) that options write, the coarsest first; empty: none.
-/// @param rate  of the motion.
+/// @param rate  frame rate of the motion.
 [[nodiscard]] std::vector<RobotCsvOptions> csv_layouts(const SaveOptions& options,
                                                        const FrameRate& rate);
 
@@ -53,14 +53,14 @@ void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 /// Files next to a motion that are written but not committed yet.
 struct FilesBeside {
   std::vector<OutputFile> files;
-  /// Of the reference: samples, corrections, and what remains beyond limits.
+  /// Summary of the reference: samples, corrections, and limits that it still exceeds.
   std::vector<SummaryLine> lines;
 };
 
 /// Writes the files that options request next to a motion: its contacts as CSV, its scene, and its
 /// reference (make_reference). Errors: those of format_scene and make_reference; the motion has no
 /// contacts or no scene (kUsage).
-/// @param reference  from reference_path().
+/// @param reference  result of reference_path().
 /// @param clip       the motion as it is written to its file.
 /// @param write      contacts and scene of the motion.
 /// @param limits     joint ranges; null: the robot's default set.

@@ -20,7 +20,7 @@ struct SourceRobot {
 [[nodiscard]] Result<SourceRobot> load_source_robot(const std::string& name,
                                                     const DataFolder& data_folder);
 
-/// As load_clip, for a robot's motion.
+/// Like load_clip, for a robot's motion.
 [[nodiscard]] Result<Clip> load_robot_clip(const std::string& file, const SourceOptions& options,
                                            const DataFolder& data_folder);
 

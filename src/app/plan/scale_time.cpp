@@ -113,7 +113,7 @@ RobotClip at_half_speed(const RobotClip& clip) {
   return slow;
 }
 
-// Torques count with the dynamics stage. A scene would have to be slowed down as well.
+// Torques are included if the dynamics stage runs. A scene would have to be slowed down as well.
 bool takes_torques(const Plan& plan, const Motion& motion) {
   return plan.fit.dynamics && plan.options.solve.method == Method::kFit && !motion.scene;
 }

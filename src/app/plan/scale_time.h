@@ -11,7 +11,7 @@
 namespace retarget {
 
 /// A time scale with the same factor everywhere.
-/// @param duration  of the source, seconds.
+/// @param duration  duration of the source, seconds.
 [[nodiscard]] TimeScale constant_time_scale(double factor, double duration);
 
 /// Sets Plan::time_scale if the options give a factor, and notes it.

@@ -70,7 +70,7 @@ void TimePlanner::restore(double begin, double end) {
   set_pace();
 }
 
-// A piece depends on four coefficients, so all of them must be as large as it needs.
+// A segment depends on four coefficients, so all of them must be as large as it needs.
 void TimePlanner::set_pace() {
   std::vector<double>& pace = scale_.pace;
   pace.assign(needs_[0].size() + 3, 1.0);

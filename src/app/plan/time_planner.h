@@ -17,7 +17,7 @@ struct StepNeed {
   enum Kind : unsigned char { kSpeed, kTorque };
   static constexpr std::size_t kKinds = 2;
 
-  int step = 0;  ///< Of the motion that was solved with the current pace.
+  int step = 0;  ///< Step of the motion that was solved with the current pace.
   Kind kind = kSpeed;
   double severity = 0.0;  ///< Falls when slowing helps.
   double slower = 1.0;    ///< Factor for the pace.
@@ -27,8 +27,8 @@ struct StepNeed {
 /// Decides where and by how much to slow a motion down, from the limits that its solutions exceed.
 class TimePlanner {
  public:
-  /// @param duration  of the source, seconds.
-  /// @param rate      of the motion.
+  /// @param duration  duration of the source, seconds.
+  /// @param rate      frame rate of the motion.
   TimePlanner(double duration, const FrameRate& rate);
 
   /// The current pace; empty at first.

@@ -293,7 +293,7 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   TRY_ASSIGN(const Certificate certificate, certify(here, observer));
   Json now = Json::parse(certificate.json, nullptr, false);
   now["request"] = recorded["request"];
-  // Files may have moved; their contents count.
+  // Files may have moved; only their contents are compared.
   const Json inputs = recorded.value("inputs", Json::array());
   const std::size_t known = inputs.is_array() ? inputs.size() : 0;
   for (std::size_t i = 0; i < std::min(known, now["inputs"].size()); ++i) {

@@ -87,7 +87,7 @@ struct OutputMotion {
   const RobotClip* clip = nullptr;                ///< Must outlive the writing.
   std::optional<HumanInWorld> human;              ///< The source motion, for formats that show it.
   std::optional<FootContacts> contacts;           ///< Empty if unknown.
-  std::optional<SceneClip> scene = std::nullopt;  ///< Of the robot; empty: none.
+  std::optional<SceneClip> scene = std::nullopt;  ///< Scene of the robot; empty: none.
   std::optional<ContactLabels> labels = std::nullopt;  ///< Contacts in the scene.
   const LimitSet* limits = nullptr;  ///< Joint ranges for a reference; null: the robot's default.
 };
@@ -150,7 +150,7 @@ class MotionOutputs {
 
 /// Index of the motion from which a file of this format is made: the one at its rate, otherwise the
 /// first.
-/// @param rates  of the motions.
+/// @param rates  frame rates of the motions.
 [[nodiscard]] std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
                                            std::span<const FrameRate> rates);
 

@@ -21,7 +21,7 @@ namespace retarget {
 /// A file that a run reads.
 struct ReadFile {
   std::string role;  ///< `motion`, `model`, `profile`, `mapping`, or the name of its option.
-  std::string file;  ///< As given by the user; inside the data folder: relative to it.
+  std::string file;  ///< File name given by the user; inside the data folder: relative to it.
   std::string path;  ///< Path used to open it.
   std::string hash;  ///< `sha256:...`; empty if it cannot be hashed (standard input, a pipe).
 };
@@ -71,8 +71,8 @@ struct Sidecar {
 [[nodiscard]] std::optional<std::vector<std::string>> altered_members(std::string_view recorded,
                                                                       std::string_view repeated);
 
-/// Changes the name of a recorded file to that of one next to the record, below its recorded name or
-/// with its file name, if it no longer exists at its recorded path.
+/// Changes the name of a recorded file to that of one next to the record, below its recorded name
+/// or with its file name, if it no longer exists at its recorded path.
 void find_moved(std::string& file, const std::filesystem::path& beside);
 
 }  // namespace retarget

@@ -43,14 +43,14 @@ enum class LeastSquaresStatus {
 };
 
 struct LeastSquaresResult {
-  double cost = 0.0;  ///< At the returned point; not finite only if that of the start is not.
+  double cost = 0.0;  ///< Cost at the returned point; not finite only if that of the start is not.
   int steps = 0;      ///< Solved systems.
   LeastSquaresStatus status = LeastSquaresStatus::kStepLimit;
 };
 
 /// A nonlinear least-squares problem with its current point and the factorisation of its system:
-/// DenseLeastSquares for small dense problems with bounds, BandedSystem for clips. The problem keeps
-/// its step inside the bounds.
+/// DenseLeastSquares for small dense problems with bounds, BandedSystem for clips. The problem
+/// keeps its step inside the bounds.
 ///
 ///     double cost();       // of the current point; called once
 ///     void linearise();    // computes gradient g and Gauss-Newton matrix H at the current point

@@ -23,22 +23,21 @@ struct StepBounds {
 /// Tightens bounds so that values still satisfy the original bounds after rounding to `decimals`
 /// digits. A range that contains no such value becomes its midpoint. A step shorter than two units
 /// of the last digit is halved.
-/// @param per_unit  the numbers are rounded in a unit of which so many are one of the bounds', such
-///                  as 57.3 degrees in a radian.
+/// @param per_unit  rounding units per unit of the bounds, e.g. 57.3 for degrees and radians.
 [[nodiscard]] StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals,
                                              double per_unit = 1.0);
 
 /// Units of printed joint positions.
 struct PrintedUnits {
-  static constexpr double kDegrees = 57.29577951308232087680;  ///< Per radian.
-  static constexpr double kCentimetres = 100.0;                ///< Per metre.
+  static constexpr double kDegrees = 57.29577951308232087680;  ///< Degrees per radian.
+  static constexpr double kCentimetres = 100.0;                ///< Centimetres per metre.
 
   double per_radian = 1.0;
   double per_metre = 1.0;
 };
 
-/// Applies bounds_for_rounding for each of the units. A unit with too few decimals gets as many as
-/// resolve 2 mm or 2 mrad.
+/// Applies bounds_for_rounding for each of the units. If `decimals` is too coarse for a unit,
+/// enough digits are used to resolve 2 mm or 2 mrad.
 /// @param slides  whether the values are lengths rather than angles.
 [[nodiscard]] StepBounds bounds_for_printing(StepBounds bounds, int decimals, bool slides,
                                              std::span<const PrintedUnits> units);

@@ -24,7 +24,7 @@ constexpr double kRounding = 1e-6;
 // oscillates around such samples.
 constexpr int kSwings = 2;
 
-// Weights of the four coefficients of a piece in its value.
+// Weights of the four coefficients of a segment in its value.
 std::array<double, 4> value_weights(double s) {
   const double r = 1.0 - s;
   return {r * r * r / 6.0, (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0,
@@ -58,7 +58,7 @@ UniformSpline::UniformSpline(std::span<const double> samples) {
   std::vector<Eigen::Vector3d> points;
   for (const double sample : samples) points.emplace_back(sample, 0.0, 0.0);
   const std::vector<Eigen::Vector3d> velocities = spline_velocities(steps_between(points));
-  // Half the second derivative at the beginning of a piece, from the values and velocities at its
+  // Half the second derivative at the beginning of a segment, from the values and velocities at its
   // ends, gives the coefficient of its first sample.
   coefficients_.resize(count + 2);
   for (std::size_t i = 0; i + 1 < count; ++i) {
@@ -148,7 +148,7 @@ void UniformSpline::move(int piece, double s, bool velocity, double change) {
   }
 }
 
-// Projects the coefficients of a piece. Returns how far it was outside, relative to the scales.
+// Projects the coefficients of a segment. Returns how far it was outside, relative to the scales.
 double UniformSpline::correct(int piece, const PieceBounds& bounds) {
   double worst = 0.0;
   const double width = bounds.upper - bounds.lower;
@@ -227,7 +227,7 @@ RotationSpline::RotationSpline(std::span<const Eigen::Quaterniond> rotations)
 // are 6 step - 4 v - 2 u at its beginning and -6 step + 2 v + 4 u at its end, where u = J^-1 v_next
 // and J is the right Jacobian at the step:
 //   2 J(step_{i-1}) v_{i-1} + 8 v_i + 2 J^-1(step_i) v_{i+1}
-//       = 6 (step_{i-1} + step_i) - rate of J at the end of the previous piece.
+//       = 6 (step_{i-1} + step_i) - rate of J at the end of the previous segment.
 void RotationSpline::solve() {
   constexpr int kMaxRounds = 20;
   constexpr double kTolerance = 1e-13;  // Radians per sample.

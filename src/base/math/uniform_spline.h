@@ -14,11 +14,11 @@ struct SplineState {
   double acceleration = 0.0;
 };
 
-/// The cubic a + s (b + s (c + s d)) over a piece of a uniform cubic B-spline, s in [0, 1].
+/// The cubic a + s (b + s (c + s d)) over a segment of a uniform cubic B-spline, s in [0, 1].
 struct UniformCubic {
   double a, b, c, d;
 
-  /// @param coefficients  the four B-spline coefficients of the piece.
+  /// @param coefficients  the four B-spline coefficients of the segment.
   explicit UniformCubic(const double* coefficients);
 
   [[nodiscard]] double value(double s) const { return a + s * (b + s * (c + s * d)); }
@@ -38,7 +38,7 @@ struct SplineExtreme {
 /// Bounds for a spline, and the result of UniformSpline::keep_inside.
 struct SplineBounds {
   double lower = 0.0, upper = 0.0;
-  double speed = 0.0;  ///< Per sample.
+  double speed = 0.0;  ///< Largest change per sample.
 };
 struct SplineCorrection {
   double largest = 0.0;  ///< Bound for the change of the spline; 0: unchanged.
@@ -56,10 +56,10 @@ class UniformSpline {
   explicit UniformSpline(std::span<const double> samples);
 
   [[nodiscard]] int piece_count() const { return static_cast<int>(coefficients_.size()) - 3; }
-  /// @param s  fraction of the piece, in [0, 1].
+  /// @param s  fraction of the segment, in [0, 1].
   [[nodiscard]] SplineState at(int piece, double s) const;
 
-  /// Exact extremes over a piece: of its value, from the roots of the derivative, and of its
+  /// Exact extremes over a segment: of its value, from the roots of the derivative, and of its
   /// velocity, a parabola.
   struct Range {
     SplineExtreme least, greatest;
@@ -67,10 +67,10 @@ class UniformSpline {
   [[nodiscard]] Range values(int piece) const;
   [[nodiscard]] Range velocities(int piece) const;
 
-  /// Moves coefficients until no piece leaves the bounds. Each step projects the coefficients onto
-  /// the half-space in which the worst point of a piece keeps its bound. Where samples exceed a
-  /// bound themselves, the pieces within two of them have no such bound, so samples never move far:
-  /// the correction removes what the spline adds between them.
+  /// Moves coefficients until no segment leaves the bounds. Each step projects the coefficients
+  /// onto the half-space in which the worst point of a segment keeps its bound. Where samples
+  /// exceed a bound themselves, the segments within two of them have no such bound, so samples
+  /// never move far: the correction removes what the spline adds between them.
   SplineCorrection keep_inside(const SplineBounds& bounds);
 
  private:
@@ -82,7 +82,7 @@ class UniformSpline {
   double correct(int piece, const PieceBounds& bounds);
   void move(int piece, double s, bool velocity, double change);
 
-  std::vector<double> coefficients_;  // Of piece i: i to i + 3.
+  std::vector<double> coefficients_;  // Segment i uses i to i + 3.
 };
 
 /// A moving rotation. The velocity is in rad per sample and the acceleration in rad per sample
@@ -111,8 +111,8 @@ class RotationSpline {
   ///     ignored.
   explicit RotationSpline(std::span<const Eigen::Quaterniond> rotations);
 
-  /// @param sample  first sample of the piece; the last sample is piece n - 2 at s = 1.
-  /// @param s       fraction of the piece, in [0, 1].
+  /// @param sample  first sample of the segment; the last sample is segment n - 2 at s = 1.
+  /// @param s       fraction of the segment, in [0, 1].
   [[nodiscard]] RotationState at(int sample, double s) const;
 
  private:

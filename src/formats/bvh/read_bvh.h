@@ -43,7 +43,7 @@ struct BvhFile {
   /// not necessarily valid UTF-8. May have no frames (`Frames: 0`).
   Clip clip;
 
-  /// In file order. Each kind of warning is reported once, however often it occurs.
+  /// Warnings in file order. Each kind is reported once, however often it occurs.
   std::vector<Warning> warnings;
 };
 
@@ -54,8 +54,8 @@ struct BvhFile {
 /// is skipped; `#` and `//` lines are skipped with a warning. The channel order is per joint.
 /// Rotations compose left to right (intrinsic). A position replaces the offset component by
 /// component, unless the positions of a joint below the root are relative to the offset, as zeros
-/// are (with a warning; see read_positions_beside_offsets). A frame time within a relative 1e-4 of 1/N
-/// means the rate N.
+/// are (with a warning; see read_positions_beside_offsets). A frame time within a relative 1e-4 of
+/// 1/N means the rate N.
 ///
 /// Numbers are correctly rounded and independent of the locale. Every error has its line and column
 /// (in bytes). More rows than declared are all read, with a warning; fewer are an error. Rows may
@@ -65,7 +65,7 @@ struct BvhFile {
 /// (BvhReadOptions::max_clip_bytes).
 ///
 /// @param bytes      the whole file.
-/// @param file_name  as given by the user, for messages.
+/// @param file_name  name given by the user, for messages.
 /// @return ErrorKind::kInput errors; kUsage for an invalid source_fps.
 [[nodiscard]] Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
                                        const BvhReadOptions& options = {});

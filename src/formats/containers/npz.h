@@ -47,7 +47,7 @@ class NpzFile {
   /// Reads the directory. Errors: not a ZIP archive (the message names the detected type), a
   /// damaged or truncated archive, duplicate array names, arrays that are too large together.
   /// @param bytes      the whole file; must outlive the object.
-  /// @param file_name  as given by the user, for messages.
+  /// @param file_name  name given by the user, for messages.
   [[nodiscard]] static Result<NpzFile> open(std::string_view bytes, std::string file_name,
                                             const NpzReadOptions& options = {});
 

@@ -36,7 +36,7 @@ class TorchFile {
   /// Reads the pickle. Errors: not a ZIP archive, a damaged or truncated archive, a TorchScript
   /// program, and the errors of read_torch_pickle.
   /// @param bytes      the whole file; must outlive the object.
-  /// @param file_name  as given by the user, for messages.
+  /// @param file_name  name given by the user, for messages.
   [[nodiscard]] static Result<TorchFile> open(std::string_view bytes, std::string file_name,
                                               const TorchReadOptions& options = {});
 

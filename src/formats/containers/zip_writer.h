@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// CRC-32 and size of bytes that are added in pieces.
+/// CRC-32 and size of bytes that are added in chunks.
 struct ZipChecksum {
   std::uint32_t crc = 0;
   std::uint64_t size = 0;

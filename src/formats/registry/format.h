@@ -49,7 +49,7 @@ struct FormatFamily {
 struct Format {
   std::string_view name;
   const FormatFamily& family;
-  std::string_view file, programs, page;  ///< As in docs/formats.md.
+  std::string_view file, programs, page;  ///< Texts of the table in docs/formats.md.
 
   // Robot motions only.
   std::string_view array = {};  ///< An array that only robot motions have.

@@ -18,7 +18,7 @@ namespace retarget {
 
 /// A column name without common decorations.
 struct ColumnName {
-  std::string given;  ///< As in the file.
+  std::string given;  ///< Name in the file.
   /// Lower case, with `_` for spaces, without quotes and units; path components separated by `/`.
   std::string plain;
   std::string unit;  ///< `rad`, `deg`, `m`, `cm`, `mm`, `s`, `ms`, `us`, `ns`, or empty.
@@ -54,8 +54,8 @@ enum class CsvClock : unsigned char { kUnknown, kFrames, kTimes };
 struct CsvColumns {
   int clock = kNoColumn;
   CsvClock clock_counts = CsvClock::kUnknown;
-  double seconds_per_tick = 0.0;  ///< For kTimes, if the name gives the unit; 0: inferred from the
-                                  ///< magnitude.
+  double seconds_per_tick = 0.0;  ///< Duration of a tick of kTimes, if the name gives the unit; 0:
+                                  ///< inferred from the magnitude.
   std::array<int, 3> position = {kNoColumn, kNoColumn, kNoColumn};
   /// x y z w if the names give the order.
   std::array<int, 4> quaternion = {kNoColumn, kNoColumn, kNoColumn, kNoColumn};

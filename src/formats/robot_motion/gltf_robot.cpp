@@ -249,7 +249,7 @@ std::vector<int> add_gltf_human(GltfWriter& writer, const HumanInWorld& human,
 
 // Formats a robot's motion as GLB: a root node that turns Z up into Y up, below it a node per body
 // with a mesh of the body's shapes, and an animation. If `human` is given, its skeleton is added.
-// @param name  of the animation.
+// @param name  name of the animation.
 Result<std::string> format_robot_glb(const RobotClip& clip, const HumanInWorld* human,
                                      const std::string& name) {
   TRY(check_key_times(clip.rate(), clip.frame_count()));

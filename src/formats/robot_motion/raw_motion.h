@@ -30,7 +30,7 @@ inline constexpr double kRadiansPerDegree = 0.01745329251994329577;
 /// A point of a robot that may touch the floor, or that a file contains.
 struct TouchPoint {
   int body;
-  Eigen::Vector3d place;  ///< In the body's frame, metres.
+  Eigen::Vector3d place;  ///< Position in the body's frame, metres.
 };
 
 /// A body in a file's array of body positions.
@@ -50,7 +50,7 @@ struct BodyPlaces {
 /// unknown.
 struct RawMotion {
   MotionFormat format = MotionFormat::kCsv;
-  std::optional<FrameRate> rate;  ///< As declared in the file.
+  std::optional<FrameRate> rate;  ///< Rate declared in the file.
   std::size_t frames = 0;
   std::vector<double> position;  ///< 3 per frame.
   std::vector<double> rotation;  ///< 4 per frame, in the file's order.
@@ -68,7 +68,7 @@ struct RawMotion {
   bool units_of_format = false;
   BodyPlaces places;
   std::optional<FootContacts> contacts;      ///< Empty if the file has none.
-  std::vector<std::string> notes, warnings;  ///< As in RobotMotion.
+  std::vector<std::string> notes, warnings;  ///< See RobotMotion.
 };
 
 /// Readers of a family of formats, for the table of formats.
@@ -121,7 +121,7 @@ struct RawMotion {
 struct OrderEvidence {
   double upright[2] = {0.0, 0.0};  ///< Mean z component of the root's z axis, by QuaternionOrder.
   double slip[2] = {0.0, 0.0};     ///< Mean slip of the lowest point, metres per frame.
-  /// The same if the file has y up.
+  /// Values of `upright` and `slip` if the file has y up.
   double upright_if_y_up[2] = {0.0, 0.0};
   double slip_if_y_up[2] = {0.0, 0.0};
 };
@@ -135,13 +135,15 @@ struct OrderGuess {
 };
 
 /// Evaluates the motion with both orders.
-/// @param configurations  in RobotClip's layout, metres and radians; root rotations are ignored.
+/// @param configurations  motion in RobotClip's layout, metres and radians; root rotations are
+///   ignored.
 [[nodiscard]] OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw);
 
 /// Chooses the order in which the robot stands along y if its feet then slip much less than along z
 /// in either order; otherwise the order in which the robot stands upright; otherwise the one whose
 /// feet slip less. If the robot stands upright and hardly moves in both, chooses the usual order.
-/// Chooses none if the robot stands upright in the other order, but slips much less in the usual one.
+/// Chooses none if the robot stands upright in the other order, but slips much less in the usual
+/// one.
 /// (The dot product of consecutive quaternions is the same for both orders, so continuity of the
 /// rotation alone proves nothing; continuity of the standing foot is.)
 [[nodiscard]] OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual);
@@ -180,7 +182,7 @@ using FramePose = std::function<bool(std::size_t frame, std::span<double> qpos)>
 
 /// The largest distance of bodies from their forward kinematics over a sample of frames, metres;
 /// infinite if a position is not finite.
-/// @param positions  as in BodyPlaces, metres.
+/// @param positions  positions in the layout of BodyPlaces, metres.
 [[nodiscard]] double largest_body_distance(const Robot& robot, std::span<const PlacedBody> bodies,
                                            std::span<const double> positions, std::size_t frames,
                                            const FramePose& pose);

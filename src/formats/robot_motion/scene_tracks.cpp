@@ -83,7 +83,7 @@ bool touches_in(const Column& column, int frame) {
   });
 }
 
-// @param time  in frames.
+// @param time  time in frames.
 double label_at(const Column& column, double time, double frame_time) {
   double label = 0.0;
   for (const SurfaceTouch* touch : column.touches) {

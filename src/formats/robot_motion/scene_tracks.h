@@ -14,7 +14,7 @@ namespace retarget {
 
 /// The moving bodies of a scene at the samples of a motion, sampled like the root in
 /// make_tracking_motion; empty: there are none.
-/// @param scene  in the frames of the motion's clip.
+/// @param scene  scene in the frames of the motion's clip.
 [[nodiscard]] std::optional<TrackedObjects> tracked_objects(const SceneClip& scene,
                                                             const TrackingMotion& motion);
 

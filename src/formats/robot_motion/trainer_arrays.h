@@ -19,7 +19,7 @@ namespace retarget {
 struct TrainerLayout {
   MotionFormat format;
   std::string_view joints;              ///< (frames, joints).
-  std::string_view position, rotation;  ///< Of the root: (frames, 3), (frames, 4).
+  std::string_view position, rotation;  ///< Arrays of the root: (frames, 3), (frames, 4).
   /// They have all bodies, the root first: (frames, bodies, 3), (frames, bodies, 4).
   bool bodies;
   QuaternionOrder order;
@@ -41,7 +41,7 @@ inline constexpr TrainerLayout kTrackingLayout = {
 struct TrainerArrays {
   RawMotion raw;
   std::size_t bodies = 1;
-  std::vector<double> position, rotation;  ///< Of all bodies, if the layout has them.
+  std::vector<double> position, rotation;  ///< Arrays of all bodies, if the layout has them.
 };
 
 /// Reads joints, root and rate in metres and radians.
@@ -69,7 +69,7 @@ void take_named_bodies(const ArraySource& file, const Robot& robot, std::string_
 struct ProtoBody {
   std::string name;
   std::string carrier;                              ///< Body that gives the rotation.
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< In the carrier's frame, metres.
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< Position in the carrier's frame, metres.
 };
 
 /// The bodies of a robot's motions in ProtoMotions' order. For the G1 these are the bodies of

@@ -108,7 +108,7 @@ enum class GltfPath { kTranslation, kRotation, kScale };
 
 class GltfMotion : public SceneMotion {
  public:
-  /// @param nodes  in the scene's order.
+  /// @param nodes  nodes in the scene's order.
   explicit GltfMotion(const std::vector<SceneNode>& nodes);
 
   /// Adds an animation. @param scene_nodes  maps nodes of the document to nodes of the scene

@@ -26,7 +26,7 @@ struct SceneReadOptions {
 /// pose of the skins, otherwise the nodes' rest pose. In the zero pose the joints' axes are those
 /// of the world (ClipBuilder).
 ///
-/// @param file_name  as given by the user; external files are located relative to it.
+/// @param file_name  name given by the user; external files are located relative to it.
 /// @return kInput errors; kUsage for unknown takes and skeletons.
 [[nodiscard]] Result<Clip> read_scene(std::string_view bytes, const std::string& file_name,
                                       const SceneReadOptions& options = {});

@@ -26,7 +26,7 @@ struct NodeTransform {
 };
 
 struct SceneNode {
-  std::string name;    ///< As in the file; may be empty.
+  std::string name;    ///< Name in the file; may be empty.
   int parent = -1;     ///< Smaller than the node's own index; -1: none.
   NodeTransform rest;  ///< Transform without animation.
   /// Rotation when all animated angles are zero: in FBX the pre- and post-rotation.
@@ -41,8 +41,9 @@ struct SceneNode {
 struct SceneTake {
   std::string name;
   double begin = 0.0, end = 0.0;  ///< Seconds, over the keys of all nodes; begin <= end.
-  std::vector<bool> has_keys;     ///< By node.
-  std::vector<bool> moves;        ///< By node: whether its keys differ by more than rounding.
+  std::vector<bool> has_keys;     ///< Whether a node has keys, one entry per node.
+  std::vector<bool> moves;  ///< Whether the keys of a node differ by more than rounding, one entry
+                            ///< per node.
 };
 
 /// The animations of a scene.
@@ -67,8 +68,8 @@ struct SceneGraph {
   std::vector<SceneTake> takes;
   std::unique_ptr<SceneMotion> motion;
   double metres_per_unit = 1.0;
-  std::optional<Eigen::Vector3d> up;  ///< In the scene's axes; nothing if the file does not define
-                                      ///< it.
+  std::optional<Eigen::Vector3d> up;  ///< Up direction in the scene's axes; nothing if the file
+                                      ///< does not define it.
   double fps = 0.0;                   ///< Nominal rate of the file; 0 if it has none.
   std::vector<Warning> warnings;
 };

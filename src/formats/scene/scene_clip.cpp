@@ -210,7 +210,7 @@ class SceneSampler {
   }
 
   // Whether a frame of another take that moves the skeleton is the rest pose. A take that holds a
-  // reference pose does not count.
+  // reference pose is ignored.
   bool rests_in(int take) const {
     const std::vector<bool>& moves = scene_.takes[as_size(take)].moves;
     const bool is_moving =

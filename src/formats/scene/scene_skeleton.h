@@ -37,8 +37,8 @@ struct SceneSkeleton {
 [[nodiscard]] std::string other_actors_text(const SceneGraph& scene, const SceneSkeleton& chosen,
                                             int take);
 
-/// By node: whether it affects the positions of a skeleton's joints, as the joints and all nodes
-/// above the root do.
+/// Returns for each node whether it affects the positions of a skeleton's joints, as the joints and
+/// all nodes above the root do.
 [[nodiscard]] std::vector<bool> nodes_of_chain(const SceneGraph& scene,
                                                const SceneSkeleton& skeleton);
 

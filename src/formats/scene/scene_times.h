@@ -17,7 +17,7 @@ namespace retarget {
 class SceneTimes {
  public:
   /// @param choice      interval and take; without a take there are no keys.
-  /// @param chain       nodes whose keys count; nodes_of_chain().
+  /// @param chain       nodes whose keys are used; nodes_of_chain().
   /// @param source_fps  requested rate in Hz.
   SceneTimes(const SceneGraph& scene, const SceneMotionChoice& choice,
              const std::vector<bool>& chain, const std::optional<double>& source_fps);

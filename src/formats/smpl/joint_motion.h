@@ -20,7 +20,7 @@ namespace retarget {
 struct JointMotion {
   int frame_count = 0;
   int joint_count = 0;
-  std::vector<Eigen::Vector3d> positions;  ///< In the world frame, frame-major.
+  std::vector<Eigen::Vector3d> positions;  ///< Positions in the world frame, frame-major.
   /// world_from_joint, frame-major; identity in a T-pose. Empty if the file has no rotations.
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<std::string> names;  ///< Joint names; empty if the file has none.
@@ -65,7 +65,7 @@ struct JointReadOptions {
 
 /// A joint order in which some program writes joint positions.
 struct JointOrder {
-  std::string_view name;    ///< For messages: `SMPL-X`.
+  std::string_view name;    ///< Name for messages: `SMPL-X`.
   std::string_view joints;  ///< Names separated by spaces; `*` stands for the fingers of a hand,
                             ///< `+` for SOMA's fingers.
   std::size_t unread = 0;   ///< Number of further joints, which are not read.

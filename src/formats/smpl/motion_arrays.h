@@ -38,7 +38,7 @@ struct MotionArrays {
 struct MotionKind {
   std::optional<double> fps;  ///< Rate for files without one, Hz.
   std::string fps_reason;     ///< Text of the warning that this rate is assumed; empty: no warning.
-  std::string gender;         ///< For files without a gender, such as `neutral`; empty if unknown.
+  std::string gender;  ///< Gender for files without one, such as `neutral`; empty if unknown.
   bool has_no_betas = false;  ///< Files of this kind never have betas, so no warning is needed.
   bool y_is_up = false;       ///< The file's world has Y up; the motion is rotated to Z up.
   /// Up axis by definition of the kind, after that rotation. Empty: inferred from the motion.
@@ -69,7 +69,7 @@ struct DegreesFound {
 
 /// Detects degrees, whose numbers may be small: of a body in radians, only the root turns
 /// several times.
-/// @param rotations  as in MotionArrays.
+/// @param rotations  see MotionArrays.
 [[nodiscard]] std::optional<DegreesFound> find_degrees(
     const std::vector<Eigen::Vector3d>& rotations);
 
@@ -89,7 +89,8 @@ struct TranslationUnit {
                                                                    const SmplRestBody& body);
 
 /// Reads the frame rate of a motion file from any of its known names: `fps`, `mocap_framerate` and
-/// similar ones, otherwise `dt` and similar ones. Returns nothing without one. Errors: two different rates, an invalid rate.
+/// similar ones, otherwise `dt` and similar ones. Returns nothing without one. Errors: two
+/// different rates, an invalid rate.
 /// @param source_fps  overrides the file's rate, Hz; positive and finite.
 [[nodiscard]] Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
                                                                 std::optional<double> source_fps);

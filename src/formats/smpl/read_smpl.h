@@ -42,7 +42,7 @@ struct SmplMotion {
 
   SmplFamily family = SmplFamily::kUnknown;
   std::string gender;            ///< `neutral`, `female`, `male`, or empty if unknown.
-  std::vector<double> betas;     ///< As in the file; empty if there are none.
+  std::vector<double> betas;     ///< Shape parameters of the file; empty if there are none.
   bool approximate_body = true;  ///< Bone lengths come from the generic body.
   double height = 0.0;           ///< Body height, metres.
   std::vector<Warning> warnings;
@@ -73,7 +73,7 @@ struct SmplMotion {
 /// values, the frame: numbers that are not finite, different lengths, no frame rate, Python
 /// objects.
 /// @param bytes      the whole file.
-/// @param file_name  as given by the user, for messages.
+/// @param file_name  name given by the user, for messages.
 [[nodiscard]] Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
                                            const SmplReadOptions& options = {});
 

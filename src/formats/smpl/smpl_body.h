@@ -45,7 +45,7 @@ struct SmplBody {
 /// arrays that are missing, hold objects (a sparse J_regressor), have other shapes or are not
 /// finite, joints other than SMPL's, a mesh that is not a body in metres.
 /// @param bytes      the whole file.
-/// @param file_name  as given by the user, for messages.
+/// @param file_name  name given by the user, for messages.
 [[nodiscard]] Result<SmplBody> read_smpl_body(std::string_view bytes, const std::string& file_name);
 
 /// Reads a body model from a file; see read_smpl_body.
@@ -57,9 +57,10 @@ struct SmplBody {
 /// A finger of average proportions, in metres for a body 1.75 m tall. Palm axes: x along the hand,
 /// y to the thumb's side, z out of the palm; the origin is the wrist.
 struct GenericFinger {
-  Eigen::Vector3d knuckle;        ///< For the thumb: its base at the wrist.
+  Eigen::Vector3d knuckle;        ///< Knuckle position; for the thumb, its base at the wrist.
   Eigen::Vector3d direction;      ///< Unit vector along the straight finger.
-  std::array<double, 3> bones{};  ///< From the knuckle; the last includes the soft tip.
+  std::array<double, 3> bones{};  ///< Bone lengths from the knuckle; the last includes the soft
+                                  ///< tip.
 };
 
 /// A hand of average proportions, indexed by Finger. docs/hands.md has the table and its sources;

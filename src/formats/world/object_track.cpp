@@ -70,7 +70,7 @@ std::vector<double> rows_of_object(const NpyArray& array, std::size_t object) {
 }
 
 // The array under the first of these names that the file has. Errors: a wrong shape.
-// @param object  of files with several (object_names).
+// @param object  index, in files with several objects (object_names).
 Result<std::optional<std::vector<double>>> find_table(const NpzFile& file,
                                                       std::span<const std::string_view> names,
                                                       std::size_t width, std::size_t object) {

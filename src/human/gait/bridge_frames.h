@@ -10,10 +10,10 @@ namespace retarget {
 /// @pre a frame precedes the gap and one follows it
 void bridge_rotations(Clip& clip, std::size_t joint, FrameRange gap);
 
-/// The same for the translations of a slot (Skeleton::translation_slot).
+/// Interpolates the translations of a slot (Skeleton::translation_slot) likewise.
 void bridge_translations(Clip& clip, std::size_t slot, FrameRange gap);
 
-/// The same for all joints.
+/// Interpolates the rotations and translations of all joints.
 void bridge_body(Clip& clip, FrameRange gap);
 
 }  // namespace retarget

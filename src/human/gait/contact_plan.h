@@ -30,7 +30,7 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
 [[nodiscard]] StandingHeights find_standing_heights(const SourceFeet& source,
                                                     const ContactOptions& options = {});
 
-/// As find_contacts of a human. For a clip that grows, use ContactPlanner.
+/// Like find_contacts of a human. For a clip that grows, use ContactPlanner.
 [[nodiscard]] ContactPlan find_contacts(const SourceFeet& source,
                                         const ContactOptions& options = {});
 

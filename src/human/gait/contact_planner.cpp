@@ -64,10 +64,10 @@ class FootContactFinder {
     }
   }
 
-  // Finds raised stances that find_raised_stances omits, because feet in the air look the same. They
-  // count if nothing else supports the body: a slow foot that moves farther than support_drift, as
-  // when a person on a step lifts the heel slowly, and a still toe below a moving heel, as on
-  // stairs. Call this after find_stands of all feet.
+  // Finds raised stances that find_raised_stances omits, because feet in the air look the same.
+  // They count if nothing else supports the body: a slow foot that moves farther than
+  // support_drift, as when a person on a step lifts the heel slowly, and a still toe below a moving
+  // heel, as on stairs. Call this after find_stands of all feet.
   // @param carries(frame)  whether the body is supported although no part of it is in contact.
   template <typename Carries>
   void find_carrying_stances(const Carries& carries) {
@@ -154,7 +154,7 @@ class FootContactFinder {
     }
   }
 
-  // @param ends  of the foot that must be still.
+  // @param ends  foot ends that must be still.
   [[nodiscard]] bool is_still_above_floor(int frame, std::span<const int> ends) const {
     return source_->at(frame, foot_).up > kSoleUp && std::ranges::all_of(ends, [&](int end) {
              return height(frame, end) > options_->begin_height * size_ &&
@@ -199,8 +199,8 @@ class FootContactFinder {
     return longest;
   }
 
-  // @param min_height  of the toe, metres.
-  // @param min_time  seconds.
+  // @param min_height  height of the toe, metres.
+  // @param min_time    seconds.
   template <typename Carries>
   void find_carrying_stances(std::span<const int> ends, double min_height, double min_time,
                              const Carries& carries) {

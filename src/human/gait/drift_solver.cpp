@@ -258,7 +258,8 @@ class DriftSolver {
     }
   }
 
-  // Median over the steps of standing ends. @param measure  of a step, from Vector3d
+  // Median over the steps of standing ends.
+  // @param measure  measure of a step, from Vector3d
   template <typename Measure>
   [[nodiscard]] double median_of_stances(const Measure& measure) const {
     std::vector<double> values;

@@ -16,7 +16,7 @@ struct ContactPart {
   std::string_view name;
   int foot = -1;            ///< 0 left, 1 right; -1: another part.
   int end = -1;             ///< kHeelEnd, kToeEnd; -1: both.
-  std::size_t support = 0;  ///< For parts that are not feet: index into kSupportBones.
+  std::size_t support = 0;  ///< Index into kSupportBones, for parts that are not feet.
 };
 
 /// Returns null for an unknown name.

@@ -39,10 +39,10 @@ struct EndTracks {
   [[nodiscard]] Eigen::Vector3d velocity_of(int end, std::size_t i) const;
 };
 
-/// By frame: whether the feet are in free fall with the body, so that none of them stands. The
-/// heights of the hips and of the lowest foot follow parabolas of gravity for about a fifth of a
-/// second or longer. Includes frames whose velocities in EndTracks overlap with such a fall. If the
-/// hips are unknown: none.
+/// One entry per frame: whether the feet are in free fall with the body, so that none of them
+/// stands. The heights of the hips and of the lowest foot follow parabolas of gravity for about a
+/// fifth of a second or longer. Includes frames whose velocities in EndTracks overlap with such a
+/// fall. If the hips are unknown: none.
 [[nodiscard]] std::vector<char> frames_in_free_fall(const SourceFeet& feet,
                                                     const EndTracks& tracks);
 

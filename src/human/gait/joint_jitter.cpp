@@ -164,7 +164,7 @@ class JitterSearch {
 
   // Fast movements in few frames look like noise, but in them feet stand between the steps. Noise
   // moves feet in every frame.
-  // @param step  of the noise, rad per frame
+  // @param step  step of the noise, rad per frame
   [[nodiscard]] bool shakes_feet(const JitterLimb& limb, double step) {
     constexpr double kPercent = 15.0, kShare = 0.12;  // Rotations about the leg do not move a foot.
     if (!feet_) feet_ = feet_and_hips(clip_, calibration_, part_).feet;

@@ -27,7 +27,7 @@ struct ContactMove {
 /// Moves of both feet, both hands and the trunk; sorted by time, without overlap.
 struct ContactMoves {
   std::array<std::vector<ContactMove>, 2> feet, hands;
-  std::vector<ContactMove> trunk;  ///< Of contacts of the seat, back and knees.
+  std::vector<ContactMove> trunk;  ///< Moves of contacts of the seat, back and knees.
 
   [[nodiscard]] bool empty() const;
 };
@@ -47,7 +47,7 @@ void move_contacts(Clip& clip, int first, const Calibration& calibration,
 /// Puts terrain under a human who walks on a flat floor: its edge is in front of the feet in the
 /// first frame, and it rises in the direction of the farthest point of the path.
 /// @param hips      path of the hips over the ground, by frame, metres
-/// @param contacts  of find_contacts, on the floor
+/// @param contacts  result of find_contacts, on the floor
 /// @param terrain   rise, tread, slope, and the number of steps; 0: as many as the human climbs.
 ///     Its position, direction and number of steps are set.
 /// @return the target positions of the feet. They land on the ground, whole feet on one step if its

@@ -8,12 +8,12 @@
 namespace retarget {
 
 /// Evidence of root errors from standing feet. A foot stands if it does not turn, and is the lower
-/// foot or moves like the other one; this does not depend on the root. No foot stands while the body
-/// is in free fall. Lengths and speeds refer to a body with legs of kUsualSourceLeg.
+/// foot or moves like the other one; this does not depend on the root. No foot stands while the
+/// body is in free fall. Lengths and speeds refer to a body with legs of kUsualSourceLeg.
 struct RootEvidence {
   double seconds = 0.0;  ///< Time in which both feet stand.
   double speed = 0.0;    ///< Speed that they exceed in 65 % of this time, m/s; 0 for an exact root.
-  double single_seconds = 0.0;  ///< The same for a single foot.
+  double single_seconds = 0.0;  ///< Like `seconds` and `speed`, for a single foot.
   double single_speed = 0.0;
   /// Climb of the standing feet over the clip, metres, and whether they climb steadily and the
   /// lowest foot climbs as well. On stairs, feet do not climb while they stand.
@@ -22,8 +22,8 @@ struct RootEvidence {
   double climb_seconds = 0.0;  ///< Time in which any foot stands.
   /// Vertical speed that all these feet exceed in 65 % of this time, m/s.
   double climb_speed = 0.0;
-  /// The same for its distance from its median: a foot that rolls sinks, but always in the same way.
-  /// Motion capture stays below 0.02.
+  /// Like climb_speed, for the deviation of the vertical speed from its median: a foot that rolls
+  /// sinks, but always in the same way. Motion capture stays below 0.02.
   double shake_speed = 0.0;
 
   /// Whether the root certainly moves relative to standing feet.
@@ -48,15 +48,15 @@ struct RootDrift {
   /// Median speed of foot ends that probably stand, apart from that of rolling feet, m/s;
   /// horizontal if heights were discarded.
   double speed_before = 0.0;
-  double speed_after = 0.0;   ///< The same after the drift is removed.
+  double speed_after = 0.0;   ///< Value of speed_before after the drift is removed.
   double climb_before = 0.0;  ///< Climb of these foot ends over the clip, metres.
-  double climb_after = 0.0;   ///< The same after the drift is removed.
+  double climb_after = 0.0;   ///< Value of climb_before after the drift is removed.
   double farthest = 0.0;      ///< Largest distance of the drift from its median, metres.
 
   /// Whether feet that probably stand are much slower after the drift is removed.
   [[nodiscard]] bool calms_feet() const;
-  /// Whether feet that probably stand are much slower, or no longer climb: a slow climb is hidden in
-  /// the usual speed of standing feet.
+  /// Whether feet that probably stand are much slower, or no longer climb: a slow climb is hidden
+  /// in the usual speed of standing feet.
   [[nodiscard]] bool helps() const;
 };
 

@@ -21,7 +21,7 @@ struct SourceFoot {
   double side = 0.0;     ///< World z of the unit vector to the side of standing toes.
   double sole_up = 1.0;  ///< World z of the unit vector that points up from a standing foot.
   std::optional<Eigen::Vector3d> heel;  ///< Heel of a known sole; `toe` is then the sole's toe.
-  double down = 0.0;                    ///< With a known sole: the steepness of the foot's bone.
+  double down = 0.0;                    ///< Steepness of the foot's bone, if the sole is known.
 
   /// @param end  kHeelEnd (the heel, else the ankle) or kToeEnd.
   [[nodiscard]] const Eigen::Vector3d& end(int end) const {
@@ -42,17 +42,18 @@ struct SourceFeet {
   double frame_time = 1.0 / 30.0;
   std::vector<SourceFoot> feet;  ///< Frame-major, foot_count per frame: left, right.
   int foot_count = 0;
-  std::array<bool, 2> has_ankle{true, true}, has_toe{true, true};  ///< By foot.
+  std::array<bool, 2> has_ankle{true, true}, has_toe{true, true};  ///< Known joints, one entry per
+                                                                   ///< foot.
   std::vector<double> legs;  ///< Thigh plus shank per frame, metres; empty: kUsualSourceLeg.
   std::vector<double> hips;  ///< Hip height per frame, metres; empty: unknown.
   /// Positions of kSupportBones, frame-major; world, metres. Empty: unknown.
   std::vector<Eigen::Vector3d> supports;
   std::array<bool, kSupportBones.size()> has_support{};
-  /// Heights of kUpperBones, frame-major; world, metres. That of the head is the height of the lower
-  /// end of the skull. Empty: unknown.
+  /// Heights of kUpperBones, frame-major; world, metres. That of the head is the height of the
+  /// lower end of the skull. Empty: unknown.
   std::vector<double> uppers;
   std::array<bool, kUpperBones.size()> has_upper{};
-  std::array<std::optional<FootSole>, 2> soles;  ///< By foot, where known.
+  std::array<std::optional<FootSole>, 2> soles;  ///< Known soles, one entry per foot.
 
   SourceFeet() = default;
   /// Creates feet for a human, without frames. A body without a complete leg has no feet.
@@ -77,10 +78,10 @@ struct SourceFeet {
   [[nodiscard]] bool has(int foot, int end) const {
     return end == kHeelEnd ? has_ankle[foot] : has_toe[foot];
   }
-  /// Of the left leg, of the right one where the left is incomplete; median over the frames,
+  /// Length of the left leg, or of the right one if the left is incomplete; median over the frames,
   /// metres.
   [[nodiscard]] double leg_length() const;
-  /// The same.
+  /// Variant that does not allocate.
   /// @param scratch  overwritten; once it has room for a value a frame nothing is allocated.
   [[nodiscard]] double leg_length(std::vector<double>& scratch) const;
   /// Height of ankles above heels in standing feet, metres; 0 if the soles are unknown.

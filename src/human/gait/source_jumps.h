@@ -14,7 +14,8 @@ struct SourceJumps {
   int first = 0;            ///< Frame after the first one.
   double hips_speed = 0.0;  ///< Largest impossible speed of the hips, m/s; 0: none.
   double hips_turn = 0.0;   ///< Largest impossible turning speed of the hips, rad/s; 0: none.
-  double thigh_turn = 0.0;  ///< The same for a thigh relative to the hips.
+  double thigh_turn = 0.0;  ///< Largest impossible turning speed of a thigh relative to the hips,
+                            ///< rad/s; 0: none.
 
   /// One phrase per kind of jump: `the hips move at 12.7 m/s`.
   [[nodiscard]] std::vector<std::string> texts() const;

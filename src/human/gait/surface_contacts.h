@@ -77,14 +77,14 @@ struct SurfacePhase {
 
 /// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
 /// something that the scene does not have.
-/// @param contacts  of find_contacts_on_ground.
+/// @param contacts  result of find_contacts_on_ground.
 [[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
                                                                 const SourceFeet& feet,
                                                                 const ContactPlan& contacts);
 
 /// Sets the contacts of a solved scene: `contacts`, `on_floor` and `under_feet`.
-/// @param contacts  of find_contacts_on_ground.
-/// @param phases  of find_surface_contacts.
+/// @param contacts  result of find_contacts_on_ground.
+/// @param phases    result of find_surface_contacts.
 void set_contacts(const SceneWorld& world, const SourceFeet& feet, const ContactPlan& contacts,
                   std::span<const SurfacePhase> phases, SolvedScene& solved);
 

@@ -133,11 +133,11 @@ class PlaceMover {
              double object_scale)
       : before_(before), after_(after), static_scale_(static_scale), object_scale_(object_scale) {}
 
-  // @param place  in the world before the change.
+  // @param place  position in the world before the change.
   [[nodiscard]] Vector3d on_static(const Vector3d& place) const {
     return (static_scale_ - Vector3d::Ones()).cwiseProduct(place);
   }
-  // @param in_body  in the frame of the body before the change.
+  // @param in_body  position in the frame of the body before the change.
   [[nodiscard]] Vector3d on_body(int frame, std::size_t body, const Vector3d& in_body) const {
     const Vector3d place = before_.clip.pose(frame, body) * in_body;
     if (!before_.moves(body)) return on_static(place);

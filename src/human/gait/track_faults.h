@@ -17,7 +17,7 @@ std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part);
 
 /// Limbs that keep their pose through a clip while the others move: they were not tracked.
 struct StillLimbs {
-  std::vector<std::string> names;  ///< As in `left leg`.
+  std::vector<std::string> names;  ///< Names such as `left leg`.
   bool leg = false;                ///< Whether one of them is a leg.
 };
 

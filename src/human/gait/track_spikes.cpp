@@ -24,7 +24,7 @@ constexpr double kStepShare = 0.35;
 constexpr double kLongestSpikeFrame = 1.0 / 22.0;  // Seconds.
 
 // Whether the frames of a gap are a spike.
-// @param distance  of two frames
+// @param distance  returns the distance between two frames
 template <typename Distance>
 bool is_spike(FrameRange part, FrameRange gap, double least, const Distance& distance,
               double step_share = kStepShare) {

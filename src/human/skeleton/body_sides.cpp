@@ -103,7 +103,7 @@ namespace {
 constexpr double kLengthTolerance = 0.15;
 // Differences below this share of the whole body do not matter.
 constexpr double kSmallShare = 0.02;
-// Limit on the branches of one joint; the longest ones count.
+// Limit on the branches of one joint; the longest ones are used.
 constexpr std::size_t kMaxWays = 8;
 
 class PairSearch {

@@ -22,7 +22,7 @@ struct CalibrationOptions {
   std::optional<SignedAxis> forward;
   std::optional<double> height;  ///< Body height in metres; default: estimated.
   RestPose rest = RestPose::kAuto;
-  int rest_frame = 0;  ///< For RestPose::kFrame.
+  int rest_frame = 0;  ///< Frame index for RestPose::kFrame.
   /// A clip of the same skeleton (joints match by name) whose first frame is the rest pose (its
   /// zero pose if it has no frames). Requires `rest` kAuto.
   std::optional<Clip> tpose;
@@ -36,9 +36,10 @@ struct CalibrationOptions {
 ///
 /// The world stays as recorded: human_from_source is the fixed rotation that maps `up` to z (a
 /// quarter turn about x for y up). If `up` is not along an axis, the rotation that maps the nearest
-/// axis to z is followed by the smallest rotation that maps `up` to z. The facing only affects the bones' constants. A skeleton with
-/// profile `lafan1` and matching axes and unit gets lafan1_calibration with its joint axes
-/// unchanged; a height in the options only replaces the 1.75 m.
+/// axis to z is followed by the smallest rotation that maps `up` to z. The facing only affects the
+/// bones' constants. A skeleton with profile `lafan1` and matching axes and unit gets
+/// lafan1_calibration with its joint axes unchanged; a height in the options only replaces the 1.75
+/// m.
 ///
 /// The result depends on joint positions and rotations. It does not depend on local joint axes,
 /// unit, up axis or joint order, unless the zero pose is the rest pose. The method samples ten

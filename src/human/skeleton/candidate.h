@@ -111,7 +111,7 @@ struct Verdict {
 [[nodiscard]] Verdict verify_bone_map(const BodySource& source, const BoneMap& map);
 
 /// Returns the limbs that a map lacks entirely or in part: `left arm`, `legs`, also `hips` and
-/// `torso`; empty: complete. Clavicles, hands, toes, neck and head do not count as limbs.
+/// `torso`; empty: complete. Clavicles, hands, toes, neck and head are not limbs here.
 [[nodiscard]] std::vector<std::string> missing_parts(const BoneMap& map);
 
 /// The sides are swapped if left_is_left, or the mean of leg_facing, is below minus this value.
@@ -168,7 +168,7 @@ struct LimbChoice {
 
 /// Two chains of joints of equal lengths that leave a body on either side.
 struct ChainPair {
-  std::vector<int> left, right;  ///< From the body outwards, of equal size; which is left is
+  std::vector<int> left, right;  ///< Joints from the body outwards, of equal size; which is left is
                                  ///< undecided.
   std::vector<double> lengths;   ///< Mean distance of a joint from the previous one.
   double reach = 0.0;            ///< Sum of `lengths`.
@@ -181,8 +181,8 @@ class TreeReach {
 
   /// Returns the distance between neighbours.
   [[nodiscard]] double edge(int a, int b) const { return lengths_[tree_.parent(a) == b ? a : b]; }
-  /// Returns the length of the longest path from `from` through its neighbour `by`; end sites
-  /// count.
+  /// Returns the length of the longest path from `from` through its neighbour `by`; end sites are
+  /// included.
   [[nodiscard]] double reach(int from, int by) const;
   /// Returns the length of the longest path of the tree.
   [[nodiscard]] double diameter() const;

@@ -59,8 +59,9 @@ struct LearnedAxes {
                                                 const std::vector<JointPoses>& poses,
                                                 const Eigen::Vector3d& up, JointFromBone axes);
 
-/// The same for thighs and shins: if the knee clearly bends about another axis than that of the
-/// rest pose, in thigh and shin alike, rotations belong to another skeleton.
+/// Returns the axes of a rest pose, with learned axes for thighs and shins if the knee clearly
+/// bends about another axis than that of the rest pose, in thigh and shin alike: rotations then
+/// belong to another skeleton.
 [[nodiscard]] JointFromBone with_corrected_legs(const Body& body,
                                                 const std::vector<JointPoses>& poses,
                                                 const Eigen::Vector3d& up, JointFromBone axes);

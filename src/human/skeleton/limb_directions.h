@@ -33,8 +33,8 @@ namespace retarget {
 
 /// Propagates the bending plane of a straight limb from frame to frame.
 enum class StraightLimbs : unsigned char {
-  kStay,           ///< By the minimal rotation in the world: legs stay when the body turns on them.
-  kTurnWithTrunk,  ///< By the minimal rotation relative to hips or torso.
+  kStay,           ///< Minimal rotation in the world: legs stay when the body turns on them.
+  kTurnWithTrunk,  ///< Minimal rotation relative to hips or torso.
 };
 
 /// World rotations of the canonical bones, by bone and frame, that let_directions_win makes; empty

@@ -88,7 +88,7 @@ using BodyFromFile = Eigen::Matrix3d;
 [[nodiscard]] std::optional<BodyFromFile> body_axes(const Body& body, const JointPoses& pose,
                                                     const Eigen::Vector3d& up);
 
-/// As body_axes, with a given facing. `forward` must not be parallel to `up`.
+/// Like body_axes, with a given facing. `forward` must not be parallel to `up`.
 [[nodiscard]] BodyFromFile given_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up);
 
 /// Returns the axis closest to a direction.
@@ -102,8 +102,8 @@ using BodyFromFile = Eigen::Matrix3d;
 /// determinant is +1 for every axis.
 [[nodiscard]] Eigen::Matrix3d z_up_from_file(const SignedAxis& up);
 
-/// The same for a unit vector: the rotation of its nearest axis, then the smallest rotation that
-/// maps the vector to z.
+/// Returns the rotation to z up for a unit vector: the rotation of its nearest axis, then the
+/// smallest rotation that maps the vector to z.
 [[nodiscard]] Eigen::Matrix3d z_up_from_file(const Eigen::Vector3d& up);
 
 /// Angle between the up direction of a calibration and the nearest axis of the file, degrees; 0 for
@@ -114,7 +114,7 @@ using BodyFromFile = Eigen::Matrix3d;
 struct BodyPoses {
   struct Pose {
     std::vector<Eigen::Vector3d> joints;  ///< World positions.
-    std::vector<Eigen::Vector3d> tips;  ///< Per joint: its farthest end site, or the joint itself.
+    std::vector<Eigen::Vector3d> tips;    ///< Farthest end site of each joint, or the joint itself.
   };
   std::vector<Pose> poses;  ///< At least one.
   /// Mean distance of each joint from its parent; 0 for the root and for joints that only position
@@ -126,7 +126,7 @@ struct BodyPoses {
 /// The pose with all rotations zero, which need not look human.
 [[nodiscard]] BodyPoses sample_zero_pose(const Skeleton& skeleton);
 
-/// At most 48 frames, spread evenly over the clip; the zero pose if the clip has no frames.
+/// Samples at most 48 frames, spread evenly over the clip; the zero pose if the clip has no frames.
 [[nodiscard]] BodyPoses sample_poses(const Clip& clip);
 
 }  // namespace retarget

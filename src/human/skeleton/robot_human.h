@@ -37,15 +37,16 @@ struct RobotHuman {
 
 /// Returns the bones of such a clip.
 [[nodiscard]] BoneMap bone_map_of_robot(const Clip& clip);
-/// Returns the conversion of such a clip to the canonical human. @param map  of bone_map_of_robot
+/// Returns the conversion of such a clip to the canonical human.
+/// @param map  result of bone_map_of_robot
 [[nodiscard]] Calibration calibration_of_robot(const Clip& clip, const BoneMap& map);
 
 /// Determines the up axis of a robot's motion and sets it in the calibration. Motions of robots
 /// have Z up. A motion that stands on a floor perpendicular to another axis, or falls along one,
-/// was written in other axes: it is rotated, or the calibration gets a warning, by the same evidence
-/// as for humans (choose_up).
-/// @param clip  of clip_of_robot_human
-/// @param map   of bone_map_of_robot
+/// was written in other axes: it is rotated, or the calibration gets a warning, by the same
+/// evidence as for humans (choose_up).
+/// @param clip  result of clip_of_robot_human
+/// @param map   result of bone_map_of_robot
 /// @param told  the user's up direction, which decides.
 void settle_robot_up(const Clip& clip, const BoneMap& map,
                      const std::optional<Eigen::Vector3d>& told, Calibration& calibration);

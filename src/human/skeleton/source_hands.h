@@ -24,7 +24,7 @@ struct SourceFinger {
 struct SourceHand {
   Side side = Side::kLeft;
   int wrist = 0;                      ///< Joint index.
-  std::vector<SourceFinger> fingers;  ///< In the order of Finger, without duplicates.
+  std::vector<SourceFinger> fingers;  ///< Fingers in the order of Finger, without duplicates.
 };
 
 /// Left and right hand; empty for a source without fingers.

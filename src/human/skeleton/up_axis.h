@@ -12,7 +12,7 @@ namespace retarget {
 
 /// Evidence for a file's up axis other than the motion.
 struct KnownUp {
-  std::optional<SignedAxis> of_kind = {};       ///< Of all skeletons of this kind.
+  std::optional<SignedAxis> of_kind = {};       ///< Up axis of all skeletons of this kind.
   std::optional<SignedAxis> of_zero_pose = {};  ///< Up axis of a well-formed zero pose.
   std::optional<SignedAxis> of_file = {};       ///< Stated by the file.
   std::optional<SignedAxis> of_fall = {};       ///< Opposite to the body's fall: free_fall_axis.
@@ -27,9 +27,9 @@ struct UpChoice {
 /// zero pose, then posture. Posture alone overrides none of the others, since people lie, swim and
 /// do handstands. To overrule, the body must also stand on a floor (clearly_stands), the lowest
 /// joint must climb along the known axis, or the body must fall along the guessed one. The choice
-/// has a warning if evidence disagrees. Without other knowledge the motion decides, by the directions
-/// of trunk and legs and the range of the lowest joint; without poses the result is y, by
-/// convention.
+/// has a warning if evidence disagrees. Without other knowledge the motion decides, by the
+/// directions of trunk and legs and the range of the lowest joint; without poses the result is y,
+/// by convention.
 [[nodiscard]] UpChoice choose_up(const Body& body, const std::vector<JointPoses>& poses,
                                  const KnownUp& known);
 

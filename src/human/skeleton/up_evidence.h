@@ -26,7 +26,7 @@ namespace retarget {
 /// (thigh plus shin).
 struct FloorEvidence {
   double wander =
-      0.0;             ///< Of the lowest joint's height, from its tenth to its fiftieth percentile.
+      0.0;  ///< Range of the lowest joint's height between its tenth and fiftieth percentiles.
   double level = 0.0;  ///< Median height of the lowest joint.
   double hips = 0.0;   ///< Median height of the hips above the lowest joint.
   /// Share of the poses in which a foot stands flat near the lowest joint. Empty: the foot

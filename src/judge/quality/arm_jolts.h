@@ -11,7 +11,7 @@ namespace retarget {
 /// Angles between a segment of the robot and the same segment of the human.
 struct SegmentAngles {
   bool is_upper_arm = false;   ///< False: a line of the trunk.
-  std::vector<double> angles;  ///< By frame, degrees.
+  std::vector<double> angles;  ///< Angles by frame, degrees.
 };
 
 /// Measures `arm_jolts`: how often an upper arm that cannot reach its target direction turns the

@@ -44,7 +44,7 @@ std::set<int> joints_of_hands(const Robot& robot) {
   return joints;
 }
 
-// The limits that the metrics count. Excludes limits that the joint reaches in the zero
+// The limits that the metrics use. Excludes limits that the joint reaches in the zero
 // configuration, such as those of straight knees, and joints without a range, which are fixed.
 std::vector<JointLimit> counted_limits(const Robot& robot, const LimitSet& limits) {
   constexpr double kNear = 0.01;       // rad

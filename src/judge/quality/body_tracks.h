@@ -48,11 +48,12 @@ struct SelfContact {
 /// Data of a robot's bodies for the metrics of a motion, collected in one pass over the frames.
 struct BodyTracks {
   std::vector<SoleTrack> soles;
-  std::vector<Lowest> lowest_sole;        ///< By frame: lowest sole point.
-  std::vector<Lowest> lowest;             ///< By frame: lowest point of soles and primitives.
-  std::vector<SelfContact> self_contact;  ///< By frame, exact; empty without primitives.
-  /// By step: the deepest penetration half-way between two frames, of two bodies that move
-  /// by more than kPassing relative to each other; empty without primitives.
+  std::vector<Lowest> lowest_sole;        ///< Lowest sole point of each frame.
+  std::vector<Lowest> lowest;             ///< Lowest point of soles and primitives of each frame.
+  std::vector<SelfContact> self_contact;  ///< Exact self-contact of each frame; empty without
+                                          ///< primitives.
+  /// One entry per step: the deepest penetration half-way between two frames, of two bodies that
+  /// move by more than kPassing relative to each other; empty without primitives.
   std::vector<SelfContact> crossings;
   std::vector<double> sampled_depth;  ///< MuJoCo's contact depth in every stride-th frame.
   std::vector<int> kept_bodies;       ///< Bodies whose poses are stored.

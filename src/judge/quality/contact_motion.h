@@ -12,9 +12,9 @@ namespace retarget {
 struct ContactMotion {
   /// Horizontal speed between frames that are a difference_stride() apart, m/s.
   std::vector<double> slips;
-  /// By contact: maximum horizontal distance from the median position, metres.
+  /// Maximum horizontal distance of each contact from its median position, metres.
   std::vector<double> drifts;
-  std::vector<double> heights;  ///< By contact and frame, metres; filled by the callers.
+  std::vector<double> heights;  ///< Heights by contact and frame, metres; filled by the callers.
 
   /// Adds the slips and the drift of one contact. Speeds above 0.1 m/s are faults.
   /// @param places    positions of the contact by frame from `begin`, world, metres; at least one.

@@ -43,20 +43,20 @@ void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
 
 /// Measures in how many frames the robot hovers: its lowest point is more than 2 cm above the
 /// source's clearance times `scale`, while the source is not in flight.
-/// @param touches_scene  by frame: whether the robot touches a body of its scene, and therefore
-///     does not hover; empty: no scene.
+/// @param touches_scene  one entry per frame: whether the robot touches a body of its scene, and
+///   therefore does not hover; empty: no scene.
 /// @param scale          scale from the source's to the robot's foot paths.
 void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const SourceFeet& source, const ContactPlan& contacts,
                       const std::vector<SourceFlight>& flights,
                       const std::vector<char>& touches_scene, double scale);
 
-/// Measures in how many frames only surfaces that the scene lacks carry the source: an end of a foot
-/// is in contact above the floor, no other part is in contact with the floor, and the robot touches
-/// no body of its scene. Flights of at most a second from such a frame to another one count, too.
-/// Frames are compared with those in which the body is carried at all, or flies between contacts of
-/// the same kind: the higher a run is above the floor, the fewer contacts are known.
-/// @param touches_scene  as for measure_hovering()
+/// Measures in how many frames only surfaces that the scene lacks carry the source: an end of a
+/// foot is in contact above the floor, no other part is in contact with the floor, and the robot
+/// touches no body of its scene. Flights of at most a second from such a frame to another one are
+/// included. Frames are compared with those in which the body is carried at all, or flies between
+/// contacts of the same kind: the higher a run is above the floor, the fewer contacts are known.
+/// @param touches_scene  see measure_hovering().
 void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
                               const std::vector<char>& touches_scene);
 

@@ -27,8 +27,8 @@ struct LimbDirections {
   bool of_legs = false;     ///< Whether it belongs to the legs or is the line between the hips.
   Side side = Side::kNone;  ///< kNone: trunk and lines across it.
   std::vector<Eigen::Vector3d> human, robot;
-  /// By frame: whether the human's limb is so high that the floor does not constrain it. Empty: in
-  /// all frames.
+  /// One entry per frame: whether the human's limb is so high that the floor does not constrain it.
+  /// Empty: true in all frames.
   std::vector<char> free;
 
   [[nodiscard]] bool is_free(std::size_t frame) const { return free.empty() || free[frame] != 0; }

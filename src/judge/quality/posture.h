@@ -11,7 +11,8 @@ namespace retarget {
 
 /// Posture of the source's body in the frames of a motion.
 struct Posture {
-  /// By frame: whether the body is upright. Metrics of standing bodies use only these frames.
+  /// One entry per frame: whether the body is upright. Metrics of standing bodies use only these
+  /// frames.
   /// Frames less than half a second from one in which the body lies or crawls are not upright,
   /// because the body is getting down or up.
   std::vector<char> upright;

@@ -35,7 +35,7 @@ struct PhysicsPoint {
 struct PhysicsModel {
   ModelPtr model;
   std::vector<PhysicsJoint> joints;
-  std::vector<PhysicsPoint> points;  ///< In the order of make_support_points().
+  std::vector<PhysicsPoint> points;  ///< Points in the order of make_support_points().
   double mass = 0.0;                 ///< Kilograms.
 
   /// Converts a configuration of the robot (laid out as in RobotClip) to a qpos of this model.

@@ -169,7 +169,7 @@ Vector3d ReferenceTrack::shift_at(int step) const {
 
 void ReferenceTrack::sample(int step, Sample& into) {
   into.step = step;
-  // Extrapolates the first and last pieces of the spline beyond the ends of the motion.
+  // Extrapolates the first and last segments of the spline beyond the ends of the motion.
   const int frame =
       std::clamp(step / steps_per_frame_, 0, std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
   const double within = static_cast<double>(step - frame * steps_per_frame_) / steps_per_frame_;

@@ -41,7 +41,7 @@ struct BalanceSample {
 /// linear inverted pendulum with preview: the body leans before the polygon requires it. In flight,
 /// x is linear in time.
 /// @param time_step  seconds between two samples.
-/// @param share      as in nearest_in_support().
+/// @param share      see nearest_in_support().
 /// @return x by sample, metres.
 [[nodiscard]] std::vector<Eigen::Vector2d> balancing_shift(
     const std::vector<BalanceSample>& samples, double time_step, double share);
@@ -75,8 +75,8 @@ struct ReferenceState {
   Eigen::Vector3d shift_velocity = com;
   /// Angular momentum about the centre of mass, kg m^2/s, and its rate.
   Eigen::Vector3d momentum = com, momentum_rate = com;
-  std::vector<FootMotion> feet;  ///< By FootFrame.
-  std::vector<char> planned;     ///< By support point: whether a contact with the floor is planned.
+  std::vector<FootMotion> feet;  ///< Motion of the feet, indexed by FootFrame.
+  std::vector<char> planned;     ///< Whether a contact with the floor is planned, by support point.
 };
 
 /// A motion as the reference of a controller: the C2 spline through its frames (MotionSpline),

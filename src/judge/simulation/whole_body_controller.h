@@ -35,7 +35,8 @@ struct ControlGains {
 
 /// Result of a control step.
 struct ControlStep {
-  std::vector<double> torques;  ///< By PhysicsModel::joints, N m (N for slides); within the limits.
+  std::vector<double> torques;  ///< Torque of each of PhysicsModel::joints, N m (N for slides);
+                                ///< within the limits.
   /// Planned acceleration, by degree of freedom of the physics model.
   Eigen::VectorXd acceleration;
   std::vector<Eigen::Vector3d> forces;  ///< Planned contact forces at `points`, world, N.

@@ -38,7 +38,7 @@ Result<SenderFilter> SenderFilter::parse(const std::string& text) {
 // Records a datagram from a port.
 // @return whether the port had sent another one within the last second. A program that uses a new
 //     port per datagram soon repeats one by chance, so a repetition among several ports that
-//     have sent only once does not count.
+//     have sent only once is ignored.
 bool SenderLock::has_sent_recently(std::uint16_t port, double now) {
   constexpr int kMostSinglePorts = 4;
   const auto has = [&](const Port& each) { return each.datagrams > 0 && each.number == port; };

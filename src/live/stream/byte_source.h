@@ -37,9 +37,9 @@ struct SenderFilter {
 class SenderLock {
  public:
   enum class Verdict : unsigned char {
-    kSender,     ///< From the sender.
-    kNewSender,  ///< From another machine or program, which becomes the sender.
-    kStranger,   ///< To be ignored.
+    kSender,     ///< The packet is from the sender.
+    kNewSender,  ///< It is from another machine or program, which becomes the sender.
+    kStranger,   ///< It is to be ignored.
   };
 
   /// @param any_port  treat all ports of a machine as one sender, for protocols that use several.
@@ -142,7 +142,7 @@ struct SourceStatistics {
   std::int64_t dropped_lines = 0;  ///< Lines that are too long, or too many in a datagram.
 };
 
-/// Receives packets from a socket or standard input: datagrams, pieces of a connection, or lines of
+/// Receives packets from a socket or standard input: datagrams, parts of a connection, or lines of
 /// either. Accepts only one sender at a time (SenderLock, SenderConnections).
 class ByteSource {
  public:

@@ -14,8 +14,8 @@ inline constexpr std::array kUnitsPerMetre = {1.0, 10.0, 100.0, 1000.0, 1.0 / 0.
 
 /// Lengths and axes of a stream or of a file.
 struct SkeletonAxes {
-  std::span<const Eigen::Vector3d> offsets;  ///< Of the joints with a parent, in its axes.
-  std::optional<Eigen::Vector3d> up;         ///< Of the world; nothing: unknown.
+  std::span<const Eigen::Vector3d> offsets;  ///< Offsets of the joints with a parent, in its axes.
+  std::optional<Eigen::Vector3d> up;         ///< Up direction of the world; nothing: unknown.
 };
 
 /// Converts poses of a stream to the world, joint axes and unit of the user's file of the same

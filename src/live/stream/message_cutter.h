@@ -118,7 +118,7 @@ class LineCutter {
 };
 
 /// Splits bytes into consecutive JSON objects, plain or each in an LZ4 frame. The bytes may arrive
-/// in pieces, as from a connection.
+/// in chunks, as from a connection.
 class JsonCutter {
  public:
   /// Starts a packet; limits the bytes decompressed from its LZ4 frames.

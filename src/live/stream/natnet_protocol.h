@@ -57,7 +57,7 @@ struct NatNetBone {
   std::string name;
   int id = 0;                                        ///< Within its skeleton.
   int parent = 0;                                    ///< ID of the parent; 0: none.
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< In the parent's axes, metres.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Offset in the parent's axes, metres.
 };
 
 struct NatNetSkeleton {
@@ -80,7 +80,7 @@ struct NatNetFrame {
   double time = 0.0;  ///< Server time, s; NaN: missing.
   bool models_changed = false;
   std::optional<int> skeleton;        ///< Empty: the frame does not contain it.
-  std::vector<NatNetBonePose> bones;  ///< In the order of the frame.
+  std::vector<NatNetBonePose> bones;  ///< Poses in the order of the frame.
 };
 
 /// Builds a message with its header.

@@ -46,14 +46,15 @@ class Descriptor {
   bool is_socket_ = false;
 };
 
-/// A second descriptor of standard input (0), output (1) or error (2).
+/// Duplicates the descriptor of standard input (0), output (1) or error (2).
 [[nodiscard]] Descriptor standard_stream(int number);
 
 /// Opens a socket that receives datagrams, or listens for connections, at an address. Port 0: any
 /// free port.
 [[nodiscard]] Result<Descriptor> bind_socket(const StreamAddress& address);
-/// Opens a socket that receives the datagrams of a multicast group on the network of the address's
-/// host, at its port. Errors: kUsage: not a multicast group; kRun: the group cannot be joined.
+/// Opens a socket that receives the datagrams of a multicast group on the network interface that
+/// has the address's host, at its port. Errors: kUsage: not a multicast group; kRun: the group
+/// cannot be joined.
 [[nodiscard]] Result<Descriptor> join_group(const StreamAddress& address, const std::string& group);
 /// The port of a bound socket.
 [[nodiscard]] int bound_port(const Descriptor& socket);
@@ -125,7 +126,7 @@ class WithoutSignals {
   std::unique_ptr<Before> before_;
 };
 
-/// While alive, waits end within a millisecond of their time, as they always do except on Windows.
+/// On Windows, sets the timer resolution to 1 ms; no effect elsewhere.
 class ExactWaits {
  public:
   ExactWaits();

@@ -19,7 +19,7 @@ struct StreamAddress {
   Transport transport = Transport::kUdp;
   std::string host = "127.0.0.1";  ///< IPv4 address, for transports with a port.
   int port = 0;
-  std::string file;                                         ///< For kFile.
+  std::string file;                                         ///< File name, for kFile.
   std::string format;                                       ///< Empty: the default in the context.
   std::vector<std::pair<std::string, std::string>> extras;  ///< Other parameters after `?`.
 

@@ -34,7 +34,7 @@ namespace retarget {
 struct StreamJoint {
   std::string name;
   int parent = -1;  ///< Precedes the joint; -1: the first joint only.
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the parent, in its axes.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Offset from the parent, in its axes.
 };
 
 /// The skeleton of such a stream; converts its frames to frames of this skeleton. A file of the
@@ -49,16 +49,16 @@ class StreamSkeleton {
   void know_up(const Eigen::Vector3d& up) { known_up_ = up; }
 
   /// Sets the joints of the following frames.
-  /// @param up            of the stream's world.
+  /// @param up            up direction of the stream's world.
   /// @param is_rest_pose  whether the body is in a T-pose with all rotations zero.
-  /// @param height        of the body, metres, if the stream contains it.
+  /// @param height        height of the body, metres, if the stream contains it.
   void set_joints(std::vector<StreamJoint> joints, const Eigen::Vector3d& up, bool is_rest_pose,
                   StreamSink& sink, std::optional<double> height = std::nullopt);
   [[nodiscard]] const std::vector<StreamJoint>& joints() const { return joints_; }
   void forget() { joints_.clear(); }
 
   /// @param time              sender's time, s; NaN: none.
-  /// @param world_from_joint  in the order of the joints passed to set_joints().
+  /// @param world_from_joint  poses in the order of the joints passed to set_joints().
   void give(double time, std::span<const Pose> world_from_joint, StreamSink& sink);
 
  private:
@@ -80,7 +80,7 @@ class StreamSkeleton {
 /// A recognised body, ready for use in a stream.
 struct MadeBody {
   Plan plan;
-  std::optional<LiveSession::Body> body;  ///< For a running session; empty for the first body.
+  std::optional<LiveSession::Body> body;  ///< Body for a running session; empty for the first body.
 };
 
 /// A body to be recognised.

@@ -37,7 +37,7 @@ struct XrobotJoint {
   bool is_end = false;  ///< An end without a bone of its own.
 };
 
-/// In the order of the poses; parents precede children.
+/// Joints in the order of the poses; parents precede children.
 constexpr auto kXrobotJoints = std::to_array<XrobotJoint>({
     {"Pelvis", -1, Bone::kHips},
     {"Left_Hip", 0, Bone::kLeftUpLeg},

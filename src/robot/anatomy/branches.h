@@ -55,7 +55,7 @@ struct OneSided {
 /// branches of one body that mirror each other up to a joint are the same limb. A branch on its own
 /// is a limb if it is beside the trunk, as seen by the pairs that were found. Two such branches
 /// with the same number of joints, one on either side, are limbs whose zero poses differ.
-/// @param pairs  of branch_pairs.
+/// @param pairs  result of branch_pairs.
 [[nodiscard]] std::optional<OneSided> missing_counterpart(const Robot& robot,
                                                           const TreeState& posed,
                                                           const std::vector<BranchPair>& pairs);

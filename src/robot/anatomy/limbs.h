@@ -47,8 +47,8 @@ struct Limb {
 struct RobotAnatomy {
   int pelvis = 0;  ///< The body that carries both legs; without legs, the base.
   int torso = 0;   ///< The body that carries both arms; may be the pelvis.
-  Eigen::Matrix3d pelvis_from_hips = Eigen::Matrix3d::Identity();   ///< As body_from_bone.
-  Eigen::Matrix3d torso_from_spine2 = Eigen::Matrix3d::Identity();  ///< As body_from_bone.
+  Eigen::Matrix3d pelvis_from_hips = Eigen::Matrix3d::Identity();   ///< Like body_from_bone.
+  Eigen::Matrix3d torso_from_spine2 = Eigen::Matrix3d::Identity();  ///< Like body_from_bone.
   bool has_legs = true;      ///< False for a fixed-base robot.
   std::array<Limb, 2> legs;  ///< Left, right; without joints if the robot has no legs.
   std::array<Limb, 2> arms;  ///< Left, right.

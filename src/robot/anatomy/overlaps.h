@@ -54,7 +54,7 @@ struct AllowedContacts {
 /// @param robot     provides the shapes; the contacts that its profile allows are ignored.
 /// @param excluded  body name pairs that the model excludes from contact; unknown names are
 ///   ignored.
-/// @param poses     as for model_overlaps.
+/// @param poses     see model_overlaps.
 [[nodiscard]] AllowedContacts find_allowed_contacts(
     const Robot& robot, const RobotAnatomy& limbs,
     std::span<const std::pair<std::string, std::string>> excluded,

@@ -17,7 +17,7 @@ namespace retarget {
 struct HandJoint {
   int joint = 0;           ///< Index into Robot::joints().
   int parent = -1;         ///< Smaller index into RobotHand::joints; -1: the palm.
-  Pose parent_from_joint;  ///< With the joint at `reference`; metres.
+  Pose parent_from_joint;  ///< Pose with the joint at `reference`; metres.
   bool slides = false;
   double reference = 0.0;
   int variable = 0;  ///< Index into RobotHand::variables; joint position = ratio * variable +
@@ -49,7 +49,7 @@ struct RobotHand {
   /// and out of the palm. The right hand mirrors the left one, so its determinant is -1.
   Eigen::Matrix3d palm_axes = Eigen::Matrix3d::Identity();
   std::vector<HandJoint> joints;     ///< All joints below the palm, parents first.
-  std::vector<RobotFinger> fingers;  ///< In the order of Finger, each at most once.
+  std::vector<RobotFinger> fingers;  ///< Fingers in the order of Finger, each at most once.
   std::vector<int> variables;        ///< Independent joints, by index into Robot::joints().
   bool is_gripper = false;           ///< True for two jaws, named as thumb and index finger.
   double opening = 0.0;              ///< Largest opening of a gripper's jaws, metres.
@@ -62,12 +62,12 @@ using RobotHands = std::array<std::optional<RobotHand>, 2>;
 
 /// Finds a robot's hands from its tree: every branch beyond the arm's last joint is a finger. Body
 /// names, then joint names identify the fingers. Without names, the thumb is the branch that points
-/// away from the others or begins nearer to the wrist, and the others follow in order from its side.
-/// Two unnamed branches form a gripper. Fingers bend to the side that their ranges favour. Couplings
-/// come from the profile (RobotProfile::coupled_joints).
+/// away from the others or begins nearer to the wrist, and the others follow in order from its
+/// side. Two unnamed branches form a gripper. Fingers bend to the side that their ranges favour.
+/// Couplings come from the profile (RobotProfile::coupled_joints).
 [[nodiscard]] RobotHands find_hands(const Robot& robot, const RobotAnatomy& anatomy);
 
-/// The same without a known anatomy; returns no hands if the robot's limbs cannot be found.
+/// Finds the hands of a robot whose anatomy is unknown; returns none if its limbs cannot be found.
 [[nodiscard]] RobotHands find_hands(const Robot& robot);
 
 }  // namespace retarget

@@ -30,7 +30,7 @@ inline constexpr double kLeastSole = 0.05;
 /// Returns how far a foot is turned from a level pose. A foot that touches a level floor with an
 /// area is level. Otherwise its largest flat side that faces down, within 45 degrees, is its
 /// underside; without one the foot counts as level.
-/// @param balls  in any frame.
+/// @param balls  balls in any frame.
 /// @param axes  unit vectors forward, up and right, as columns, in the same frame.
 /// @param leg_length  metres.
 /// @return rotation in the frame of the balls that turns the up axis to the underside's normal.

@@ -33,7 +33,7 @@ std::vector<CollisionShape> visible_shapes(const Robot& robot) {
 
 namespace {
 
-// Returns true if contact between two bodies does not count as self-collision.
+// Returns true if contact between two bodies is not a self-collision.
 bool is_exempt(const Robot& robot, int a, int b) {
   const mjModel& model = *robot.model();
   // MuJoCo treats rigidly connected bodies as one, identified by the first of them.

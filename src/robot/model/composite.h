@@ -29,7 +29,8 @@ struct Composite {
 /// the composite rigid body algorithm (Featherstone, "Rigid Body Dynamics Algorithms", section
 /// 6.2): with the motion subspace S_i of a degree of freedom, and A_i, b_i summed over its subtree,
 /// H_ij = S_j'A_i S_i for every j that carries i, g_i = S_i'b_i.
-/// @param composites  by link: on entry the form of the link alone, on return that of its subtree.
+/// @param composites  one per link: on entry the form of the link alone, on return that of its
+///   subtree.
 /// @param hessian     rows in the layout of KinematicTree::row_begin; overwritten.
 /// @param gradient    dof_count() values; overwritten.
 void assemble(const TreeState& state, std::span<Composite> composites, std::span<double> hessian,

@@ -47,7 +47,7 @@ inline Eigen::Vector3d turned(const Eigen::Quaterniond& q, const Eigen::Vector3d
 
 // Computes a link's pose from its parent's pose; both poses may be the same object. Returns the
 // joint's axis in the world.
-// @param half_turn  of half the joint's travel.
+// @param half_turn  sine and cosine of half the joint's travel.
 inline Eigen::Vector3d place_link(const KinematicTree::Link& link, const Pose& world_from_parent,
                                   double travel, const portable::SineCosine& half_turn,
                                   Pose& world_from_link) {

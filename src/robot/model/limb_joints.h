@@ -22,8 +22,8 @@ inline constexpr double kNearestWrist = 0.28;
 
 /// Counts the joints next to the knee or elbow, on one side of it, that bend the limb at the same
 /// place: their axes pass the middle joint and miss the other end (hip, shoulder, ankle or wrist).
-/// At least one joint is left for the other end, so that a ball joint never counts; a twist joint
-/// counts only between hinges that bend the limb at the same point.
+/// At least one joint is left for the other end, so that a ball joint is never included; a twist
+/// joint is included only between hinges that bend the limb at the same point.
 /// @param joints  joints on one side of the middle joint, nearest first.
 [[nodiscard]] std::size_t joints_at_middle(const TreeState& posed, std::span<const int> joints,
                                            const Eigen::Vector3d& middle);

@@ -17,10 +17,11 @@ struct ModelMesh {
   /// The mesh's body, followed by the bodies that it is fixed to, nearest first.
   struct Carrier {
     std::string body;
-    Pose body_from_mesh;  ///< As in the model; MuJoCo's own pose refers to the mesh's centre.
+    Pose body_from_mesh;  ///< Pose stated in the model; MuJoCo's own pose refers to the mesh's
+                          ///< centre.
   };
 
-  std::string file;  ///< As in the model, prefixed with the model's mesh folder.
+  std::string file;  ///< File named in the model, prefixed with the model's mesh folder.
   /// A file vertex v maps to scale * (file_from_mesh^-1 * v).
   Pose file_from_mesh;
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< Metres per file unit.

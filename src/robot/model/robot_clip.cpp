@@ -39,7 +39,7 @@ std::span<const double> RobotClip::qpos(int frame) const {
 namespace {
 
 constexpr int kRootValues = 7;
-// Excess over a limit that does not count, rad or m: the digits of a CSV.
+// Excess over a limit that is ignored, rad or m: the digits of a CSV.
 constexpr double kLimitRounding = 1e-6;
 
 // Returns a chain that carries joint positions as translations, three per joint after the root,

@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// As robot_variant, for a variant that is not in the profile.
+/// Like robot_variant, for a variant that is not in the profile.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> make_variant(
     const std::shared_ptr<const Robot>& robot, const RobotVariant& variant);
 

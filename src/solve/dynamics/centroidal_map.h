@@ -22,8 +22,8 @@ class CentroidalMap {
   void update(const TreeState& state);
 
   [[nodiscard]] const Eigen::Vector3d& com() const { return com_; }  ///< World, metres.
-  /// By degree of freedom: velocity of the centre of mass, m/s (first three rows), and angular
-  /// momentum, kg m^2/s; world axes.
+  /// One column per degree of freedom: velocity of the centre of mass, m/s (first three rows), and
+  /// angular momentum, kg m^2/s; world axes.
   [[nodiscard]] const Rows& rows() const { return rows_; }
 
  private:

@@ -58,9 +58,9 @@ class CentroidalStep {
                               int iterations);
   /// Whether solve() encountered non-finite values. It takes no step with them.
   [[nodiscard]] bool has_failed() const { return failed_; }
-  /// By frame: second time derivative of the result of solve(), m/s^2 and kg m^2/s^2.
+  /// Second time derivative of the result of solve() by frame, m/s^2 and kg m^2/s^2.
   [[nodiscard]] const std::vector<Vector6d>& accelerations() const { return accelerations_; }
-  /// By frame: part of the required wrench that the contacts cannot supply in the motion before
+  /// Part of the required wrench, by frame, that the contacts cannot supply in the motion before
   /// solve().
   [[nodiscard]] const std::vector<Vector6d>& unexplained() const { return unexplained_before_; }
 

@@ -25,7 +25,7 @@ class ContactForces {
                                             ///< lever has the same residual as the weight.
   static constexpr double kJointWeight = 0.02;  ///< Residual of a joint torque at its limit.
 
-  /// @param torque_limits  by link of the tree, N m (N for slides); infinity if unknown.
+  /// @param torque_limits  limits by link of the tree, N m (N for slides); infinity if unknown.
   /// @param weight         weight of the robot, N.
   /// @param lever          length by which torques are divided, metres.
   ContactForces(const KinematicTree& tree, std::span<const double> torque_limits, double weight,

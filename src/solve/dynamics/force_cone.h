@@ -35,7 +35,7 @@ class ForceCone {
   /// @param lever     vector from the reference point to the contact, in the unit of length of the
   ///     torques.
   /// @param friction  friction coefficient.
-  /// @param normal, forward  as in friction_pyramid().
+  /// @param normal, forward  see friction_pyramid().
   void add_point(const Eigen::Vector3d& lever, double friction,
                  const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ(),
                  const Eigen::Vector3d& forward = Eigen::Vector3d::UnitX());

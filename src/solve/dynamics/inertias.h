@@ -23,7 +23,7 @@ struct LinkInertia {
 
 /// Inertias of a robot's links and rotors.
 struct Inertias {
-  std::vector<LinkInertia> links;  ///< By link of Robot::tree().
+  std::vector<LinkInertia> links;  ///< One per link of Robot::tree().
   /// Inertia that a joint's rotor adds to its own acceleration, by link, kg m^2 (kg for slides); 0
   /// for the base. From the profile, else from the model's `armature`.
   std::vector<double> rotors;

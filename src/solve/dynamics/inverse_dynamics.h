@@ -28,7 +28,7 @@ struct Wrench {
 struct LinkLoad {
   int link = 0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World, metres.
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();     ///< On the object, world, N.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     ///< Force on the object, world, N.
 };
 
 /// Inverse dynamics without contacts, by the recursive Newton-Euler algorithm (Featherstone, "Rigid
@@ -40,9 +40,9 @@ class InverseDynamics {
 
   /// Computes the required forces of a motion state; the other members then refer to it.
   /// @param state         pose of the robot.
-  /// @param velocity      by degree of freedom of the tree, per second: 0-2 linear velocity of the
-  ///     base's origin in the world, 3-5 angular velocity in the base's own axes, then joint
-  ///     velocities.
+  /// @param velocity      one entry per degree of freedom of the tree, per second: 0-2 linear
+  ///   velocity of the base's origin in the world, 3-5 angular velocity in the base's own axes,
+  ///   then joint velocities.
   /// @param acceleration  time derivatives of the velocities.
   /// @param loads         forces on carried objects.
   void compute(const TreeState& state, std::span<const double> velocity,

@@ -18,8 +18,8 @@ struct MotionState {
       : MotionState(robot.tree(), robot.zero_configuration()) {}
 
   std::vector<double> qpos;  ///< Laid out as in RobotClip.
-  /// Per second: linear velocity of the root in the world, angular velocity in its own axes, joint
-  /// velocities.
+  /// Velocities per second: linear velocity of the root in the world, angular velocity in its own
+  /// axes, joint velocities.
   std::vector<double> velocity;
   std::vector<double> acceleration;  ///< Time derivatives of `velocity`, per second squared.
 };
@@ -40,8 +40,8 @@ class MotionSpline {
   explicit MotionSpline(const RobotClip& clip);
 
   /// Evaluates the spline between two frames.
-  /// @param index  first frame of the piece, before the last frame (0 for a single frame).
-  /// @param s      position within the piece, in [0, 1].
+  /// @param index  first frame of the segment, before the last frame (0 for a single frame).
+  /// @param s      position within the segment, in [0, 1].
   void sample(int index, double s, MotionState& state) const;
 
  private:

@@ -18,7 +18,7 @@ class ReferenceSpline {
   ReferenceSpline(const RobotClip& clip, const LimitSet& limits);
 
   /// Evaluates the spline between two frames.
-  /// @param index  first frame of the piece, before the last frame (0 for a single frame).
+  /// @param index  first frame of the segment, before the last frame (0 for a single frame).
   /// @param s      position within the piece, in [0, 1].
   void sample(int index, double s, MotionState& state) const;
 

@@ -16,7 +16,7 @@ namespace retarget {
 
 /// A limb that moved to another branch: another solution of its inverse kinematics.
 struct RecoveredLimb {
-  std::string limb;                            ///< For example `left arm`.
+  std::string limb;                            ///< Name such as `left arm`.
   int begin = 0, end = 0;                      ///< Frames [begin, end).
   double cost_before = 0.0, cost_after = 0.0;  ///< Tracking cost of the limb, summed over the
                                                ///< frames.
@@ -33,7 +33,7 @@ struct BranchRecovery {
   /// Records the result of a trial.
   /// @param changed  the accepted change; empty: rejects the change and reverts the clip.
   void conclude(WindowTrial& trial, const std::optional<RecoveredLimb>& changed);
-  /// The same for a trial that moves no limb.
+  /// Records the result of a trial that moves no limb.
   void conclude(WindowTrial& trial, bool accepted);
   /// One sentence per recovered limb.
   [[nodiscard]] std::vector<std::string> notes() const;

@@ -35,7 +35,7 @@ class CrossingTerms {
   /// Such a term depends on two frames: its residual is r + J (a + b) / 2, where a and b are their
   /// changes. The sum of half the squares of r + J a and r + J b is never less, and has the same
   /// value and gradient at a = b = 0. It couples no frames.
-  /// @param g, h, stride, costs  as for FrameTerms::add_crossings().
+  /// @param g, h, stride, costs  see FrameTerms::add_crossings().
   void add(int frame, FrameTerms& terms, double* g, double* h, int stride, TermCosts& costs);
 
  private:

@@ -29,7 +29,7 @@ namespace retarget {
 struct FitResult {
   RobotClip clip;
   FitReport report;
-  ContactPlan contacts;              ///< Of the source.
+  ContactPlan contacts;              ///< Contacts of the source.
   long steps = 0;                    ///< IK steps of the first stage.
   std::optional<SolvedScene> scene;  ///< Set if the fit used a scene.
 };

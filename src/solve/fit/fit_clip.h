@@ -18,7 +18,7 @@ struct FitClip {
   int frame_count = 0;
   std::vector<TaskTarget> targets;  ///< Frame-major, one per task of the model.
   FootPlan feet;
-  std::vector<Eigen::Vector2d> anchors;   ///< By contact phase; world x and y, metres.
+  std::vector<Eigen::Vector2d> anchors;   ///< Anchor of each contact phase; world x and y, metres.
   std::vector<double> qpos;               ///< Frame-major, laid out as in RobotClip.
   std::shared_ptr<const FitScene> scene;  ///< Null: none.
 

@@ -64,7 +64,7 @@ class FitDynamics {
   /// @return false if a value is not finite.
   [[nodiscard]] bool plan(const FitClip& clip);
   /// Adds the rows of a frame to the linear system of a step.
-  /// @param gradient, hessian  as in FrameTerms::assemble.
+  /// @param gradient, hessian  see FrameTerms::assemble.
   /// @return the cost of the rows.
   double add_rows(int frame, const TreeState& pose, double* gradient, double* hessian, int stride);
   /// Updates the angular quasi-coordinate after a step.

@@ -30,9 +30,9 @@ struct FitTask {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< Position of the body in the link frame,
                                                        ///< metres.
   Eigen::Quaterniond link_from_body = Eigen::Quaterniond::Identity();
-  double horizontal_weight = 0.0, height_weight = 0.0;  ///< Per metre.
-  double rotation_weight = 0.0;                         ///< Per radian.
-  /// The same for rotations about twist_axis, a unit vector in the link frame.
+  double horizontal_weight = 0.0, height_weight = 0.0;  ///< Weights per metre.
+  double rotation_weight = 0.0;                         ///< Weight per radian.
+  /// Weight per radian of rotations about twist_axis, a unit vector in the link frame.
   double twist_weight = 0.0;
   Eigen::Vector3d twist_axis = Eigen::Vector3d::UnitX();
   int foot = -1;     ///< Index into FitModel::feet if the body
@@ -67,8 +67,8 @@ struct FitFoot {
   int link = 0;
   bool left = true;
   std::array<End, 2> ends;                              ///< Heel, toe.
-  Eigen::Vector3d sideways = Eigen::Vector3d::UnitY();  ///< In the plane of the sole, perpendicular
-                                                        ///< to its length.
+  Eigen::Vector3d sideways = Eigen::Vector3d::UnitY();  ///< Direction in the plane of the sole,
+                                                        ///< perpendicular to its length.
   double body_height = 0.0;                             ///< Height of the body's origin above the
                                                         ///< sole.
   int body = 0;                                         ///< Index into Robot::bodies().
@@ -103,22 +103,23 @@ struct FitModel {
   /// Limits by degree of freedom; infinite for a moving root, 0 for a fixed base.
   std::vector<double> lower, upper;
   bool base_is_held = false;
-  std::vector<double> speed_limit;   ///< By degree of freedom, rad/s or m/s; infinite if unlimited.
-  std::vector<double> torque_limit;  ///< By link, N m or N; infinite if unknown.
+  std::vector<double> speed_limit;   ///< Limit by degree of freedom, rad/s or m/s; infinite if
+                                     ///< unlimited.
+  std::vector<double> torque_limit;  ///< Limit by link, N m or N; infinite if unknown.
   std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
   std::vector<FitTask> tasks;
   std::vector<FitFoot> feet;
   std::vector<SupportBody> supports;                  ///< Other bodies that may carry the robot.
-  std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
-  std::vector<double> floor_reach;  ///< By link: largest distance of a floor point from the link's
-                                    ///< origin, metres.
-  std::vector<char> is_foot;        ///< By link.
+  std::vector<std::vector<FloorPoint>> floor_points;  ///< Points by link.
+  std::vector<double> floor_reach;  ///< Largest distance of a floor point from the origin of its
+                                    ///< link, metres, by link.
+  std::vector<char> is_foot;        ///< Whether a link is a foot, by link.
   std::vector<int> foot_of_link;    ///< Index of the foot that is this link or a child of it; -1 if
                                     ///< there is none.
   std::vector<FitShape> shapes;
   std::vector<FitPair> pairs;  ///< Sorted by links.
   std::vector<FitPairGroup> pair_groups;
-  std::vector<BoundingSphere> link_spheres;  ///< By link.
+  std::vector<BoundingSphere> link_spheres;  ///< Spheres by link.
   int configuration_size = 0;                ///< Number of values of a qpos.
   Inertias inertias;
   double leg = kUsualLeg;  ///< Hip to knee to ankle, metres; the G1's if unknown.

@@ -29,14 +29,14 @@ struct SceneGoal {
   int phase = -1;         ///< Index of the contact.
   bool sticks = false;    ///< Whether the contact does not slide.
   bool held = false;      ///< Whether `place` is the robot's contact position (hold_contacts()).
-  /// For hands: direction in the link's frame that must face the surface; zero: no goal.
+  /// Direction in the link's frame that must face the surface, for hands; zero: no goal.
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
 };
 
 /// The scaled scene around a robot, the points of the robot that must stay outside its bodies, and
 /// the contacts with them. Constant during a solve.
 struct FitScene {
-  SceneWorld world;                             ///< At the robot's scale, in the clip's frames.
+  SceneWorld world;  ///< Scene at the robot's scale, in the clip's frames.
   std::vector<std::vector<FloorPoint>> points;  ///< Spheres that cover the shapes, by link.
   std::vector<BoundingSphere> spheres;          ///< Around the points of each link.
   std::vector<SceneGoal> goals;                 ///< Goals of all frames in order.
@@ -61,10 +61,10 @@ struct FitScene {
                                       std::span<const SurfacePhase> phases, double scale,
                                       double frame_time, std::span<const TaskTarget> targets);
 
-/// Makes FitScene::joint_smoothness: the factor is highest during contacts with the bodies of a scene
-/// and in the 0.25 s before and after.
-/// @param solved  with the contacts of set_contacts().
-/// @param contacts  of the feet, see find_contacts_on_ground().
+/// Makes FitScene::joint_smoothness: the factor is highest during contacts with the bodies of a
+/// scene and in the 0.25 s before and after.
+/// @param solved    scene with the contacts of set_contacts().
+/// @param contacts  contacts of the feet, see find_contacts_on_ground().
 [[nodiscard]] std::vector<double> smoothness_near_contacts(const SolvedScene& solved,
                                                            const ContactPlan& contacts,
                                                            int frame_count, double frame_time);
@@ -82,7 +82,7 @@ struct SceneCosts {
 };
 
 /// Adds a frame's scene terms: contacts touch their surfaces, and no link penetrates a body.
-/// @param composites  by link; the terms' Hessians and gradients are added to them.
+/// @param composites  one per link; the terms' Hessians and gradients are added to them.
 SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
                            int frame, const TreeState& pose, std::span<Composite> composites);
 

@@ -12,8 +12,8 @@ namespace retarget {
 struct FitWindows {
   std::vector<FitWindow> windows;  ///< Contiguous; every frame is in one.
   std::vector<FitWindow> seams;    ///< One over each window border; may be empty.
-  /// By window: number of leading frames that the first stage must have solved before the window
-  /// can start. They include all frames of the contacts that the window cuts.
+  /// One entry per window: number of leading frames that the first stage must have solved before
+  /// the window can start. They include all frames of the contacts that the window cuts.
   std::vector<int> frames_needed;
 };
 

@@ -97,7 +97,7 @@ void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
 
 /// Adapts the holds of foot ends to frames shorter than 1/30 s; see docs/fit.md. Call it after
 /// plan_supports().
-/// @param source_feet, scale  as in plan_feet().
+/// @param source_feet, scale  see plan_feet().
 void ease_contacts(const SourceFeet& source, std::span<const int> source_feet, double scale,
                    FootPlan& plan);
 

@@ -68,15 +68,15 @@ struct SupportGoal {
 
 /// The goals of a frame.
 struct FrameGoals {
-  std::span<const TaskTarget> targets;       ///< By task.
-  std::span<const FootEndGoal> ends;         ///< Two per foot: heel, toe.
-  std::span<const double> upright;           ///< By foot, 0 to 1; 0 for feet that lie or kneel.
-  std::span<const Eigen::Vector2d> anchors;  ///< By contact phase: position to hold, world x and y,
-                                             ///< metres.
+  std::span<const TaskTarget> targets;  ///< One per task.
+  std::span<const FootEndGoal> ends;    ///< Two per foot: heel, toe.
+  std::span<const double> upright;      ///< Factor per foot, 0 to 1; 0 for feet that lie or kneel.
+  std::span<const Eigen::Vector2d> anchors;  ///< One per contact phase: position to hold, world x
+                                             ///< and y, metres.
   double anchor_hold = 1.0;                  ///< Factor for the weight of the anchors.
-  std::span<const SupportGoal> supports;     ///< By SupportBody; may be empty.
-  std::span<const double> lying;    ///< By foot, 0 to 1; 1 for feet that lie on the floor. May be
-                                    ///< empty.
+  std::span<const SupportGoal> supports;     ///< One per SupportBody; may be empty.
+  std::span<const double> lying;    ///< One per foot, 0 to 1; 1 for feet that lie on the floor. May
+                                    ///< be empty.
   const FitScene* scene = nullptr;  ///< Null: no scene.
   int frame = 0;                    ///< Frame of the scene.
 };
@@ -141,7 +141,7 @@ class FrameTerms {
   void find_near_pairs(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs) {
     near_pairs_.find(pose, within, pairs);
   }
-  /// The same for a list that is kept while distances change by at most `stay`.
+  /// Updates a list of near pairs that is kept while distances change by at most `stay`.
   void update_near_pairs(const TreeState& pose, double within, double stay, NearList& list) {
     near_pairs_.update(pose, within, stay, list);
   }

@@ -13,7 +13,7 @@ namespace retarget {
 
 /// An arm or a leg: a chain of joints, and the tasks whose bodies only this chain moves.
 struct FitLimb {
-  std::string name;  ///< For example `left arm`.
+  std::string name;  ///< Name such as `left arm`.
   bool is_arm = false;
   int link = 0;                    ///< First link of the chain; it carries the whole limb.
   std::vector<int> links;          ///< Links of the movable joints, from the first one outwards.

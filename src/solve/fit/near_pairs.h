@@ -10,14 +10,15 @@
 
 namespace retarget {
 
-/// The near pairs of one pose, and the links' places in it, to bound later changes of distances.
+/// The near pairs of one pose, and the link poses at that time, used to bound later changes of
+/// distances.
 struct NearList {
   struct Place {
     Eigen::Vector3d centre;       ///< Centre of the bounding sphere, base frame.
     Eigen::Quaterniond rotation;  ///< Base from link.
   };
   std::vector<std::uint32_t> pairs;
-  std::vector<Place> places;  ///< By link with shapes; empty: nothing is known.
+  std::vector<Place> places;  ///< One per link with shapes; empty: nothing is known.
 
   void forget() {
     pairs.clear();
@@ -38,8 +39,8 @@ class NearPairs {
   /// @param within  metres.
   /// @param pairs   receives the indices of the pairs that are less than `within` apart, ascending.
   void find(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs);
-  /// The same for a list that is kept while no distance may have changed by more than `stay` since
-  /// the pairs were found.
+  /// Updates a list of near pairs that is kept while no distance may have changed by more than
+  /// `stay` since the pairs were found.
   void update(const TreeState& pose, double within, double stay, NearList& list);
 
  private:

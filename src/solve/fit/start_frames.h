@@ -17,7 +17,7 @@ namespace retarget {
 /// contact's anchor to the mean position over its frames.
 class StartFrames {
  public:
-  /// @param path  by frame: offset added to the root's position, metres.
+  /// @param path  offset added to the root's position, by frame, metres.
   /// @param lift  whether to raise the root if a point is below the floor.
   StartFrames(const FitModel& model, std::span<const Eigen::Vector3d> path, bool lift,
               FitClip& clip);

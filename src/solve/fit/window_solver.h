@@ -37,11 +37,11 @@ class WindowSolver {
   /// @return true if all windows and seams are solved.
   bool finish(const std::function<bool(double done)>& keep_going);
 
-  /// By frame: cost of the start, evaluated within the frame's window.
+  /// Cost of the start by frame, evaluated within the frame's window.
   [[nodiscard]] const std::vector<TermCosts>& costs_before() const { return costs_before_; }
   /// Final status of each window, then of each seam.
   [[nodiscard]] const std::vector<FitStatus>& statuses() const { return statuses_; }
-  /// By frame: cost of the current clip.
+  /// Cost of the current clip by frame.
   [[nodiscard]] std::vector<TermCosts> costs_now() const;
 
  private:

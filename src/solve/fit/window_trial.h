@@ -44,7 +44,7 @@ class WindowTrial {
   /// stays bounded.
   /// @return false if keep_going stopped it or a step was not finite.
   bool solve();
-  /// The same as solve(), with another model and other options.
+  /// Solves the window likewise, with another model and other options.
   bool solve(const FitModel& model, const FitOptions& options);
 
   /// Restores the clip as it was at construction.

@@ -61,8 +61,8 @@ class HandPosture {
 /// Weights of the residuals of a hand. They enter the cost squared.
 struct HandWeights {
   double direction = 1.0;  ///< Direction errors (of unit vectors) of a whole finger.
-  /// The same for the thumb. Lower, because a robot's thumb has another position in the palm than a
-  /// human's.
+  /// Direction errors of the thumb. Lower, because a robot's thumb has another position in the palm
+  /// than a human's.
   double thumb_direction = 0.35;
   double gap = 0.4;     ///< Gap errors of fingers far from the thumb, per finger length.
   double touch = 8.0;   ///< Gap errors of fingers that touch the thumb, per finger length.

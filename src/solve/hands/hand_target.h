@@ -18,9 +18,9 @@ struct HandTarget {
     int count = 0;
     std::array<Eigen::Vector3d, kMaxParts> directions;
   };
-  std::array<Parts, kFingerCount> parts;  ///< By Finger.
-  /// By Finger: target gap between the surfaces of its tip and the thumb's, metres; its weight,
-  /// from 0 (distant fingers) to 1 (touching fingers); whether the finger has a target gap.
+  std::array<Parts, kFingerCount> parts;  ///< One per Finger.
+  /// One entry per Finger: target gap between the surfaces of its tip and the thumb's, metres; its
+  /// weight, from 0 (distant fingers) to 1 (touching fingers); whether the finger has a target gap.
   std::array<double, kFingerCount> gap{};
   std::array<double, kFingerCount> touch{};
   std::array<bool, kFingerCount> has_gap{};

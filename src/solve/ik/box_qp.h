@@ -59,7 +59,7 @@ struct DenseLeastSquares {
   Eigen::MatrixXd hessian;  ///< Only the lower triangle is read.
   Eigen::VectorXd gradient;
   Eigen::VectorXd lower, upper;  ///< Bounds of the step.
-  Eigen::VectorXd unit;          ///< By variable: unit of the damping; 1 by default.
+  Eigen::VectorXd unit;          ///< Unit of the damping, by variable; 1 by default.
   Eigen::VectorXd step;          ///< The solution.
 
  private:

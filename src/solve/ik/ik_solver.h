@@ -16,8 +16,8 @@ namespace retarget {
 struct FrameTask {
   int body = 0;                  ///< Index of the robot body.
   int target = 0;                ///< Index into the targets of a frame.
-  double position_weight = 0.0;  ///< Per metre; enters the objective squared.
-  double rotation_weight = 0.0;  ///< Per radian; enters the objective squared.
+  double position_weight = 0.0;  ///< Weight per metre; enters the objective squared.
+  double rotation_weight = 0.0;  ///< Weight per radian; enters the objective squared.
 };
 
 /// The tasks of one pass, which form one least-squares problem. A frame runs its passes in

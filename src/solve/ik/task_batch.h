@@ -29,7 +29,8 @@ class TaskBatch {
   };
 
   TaskBatch() = default;
-  /// @param link_from_body  by task: the constant pose of its body in the link that carries it.
+  /// @param link_from_body  one per task: the constant pose of its body in the link that carries
+  ///   it.
   explicit TaskBatch(std::span<const Pose> link_from_body);
 
   /// Weights of 0, in the size that build_forms() expects.

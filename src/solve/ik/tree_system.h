@@ -29,7 +29,7 @@ class TreeSystem {
   [[nodiscard]] Eigen::VectorXd& linear() { return g_; }
   void add_to_diagonal(double value);
 
-  /// For ActiveSet: minimises over the free variables, with the bound variables fixed at x.
+  /// Used by ActiveSet: minimises over the free variables, with the bound variables fixed at x.
   bool minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
                 Eigen::VectorXd& minimum);
   [[nodiscard]] double gradient(int i, const Eigen::VectorXd& x) const;

@@ -18,9 +18,9 @@ namespace retarget {
 /// Formats text as a JSON string with quotes.
 [[nodiscard]] std::string json_text(const std::string& text);
 
-/// By joint: name of the body that format_model() adds for this joint; empty for most joints.
-/// Readers that do not compile a model expect one joint per body, at the body's origin. Therefore a
-/// joint with an anchor, and all but the last of several joints, have a separate body.
+/// Returns for each joint the name of the body that format_model() adds for it; empty for most
+/// joints. Readers that do not compile a model expect one joint per body, at the body's origin.
+/// Therefore a joint with an anchor, and all but the last of several joints, have a separate body.
 [[nodiscard]] std::vector<std::string> joint_frames(const Robot& robot);
 
 /// Formats a robot as MJCF without meshes: tree, joints, ranges and inertias at full precision, and

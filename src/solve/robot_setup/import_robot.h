@@ -20,7 +20,7 @@ struct ImportedRobot {
   std::shared_ptr<Robot> robot;
   std::vector<std::string> notes;  ///< Changes to the model, one line each.
   std::vector<TiedBodies> tied;    ///< Body pairs of equality constraints that were dropped.
-  std::vector<std::pair<std::string, std::string>> excluded;  ///< As LoadedModel::excluded.
+  std::vector<std::pair<std::string, std::string>> excluded;  ///< See LoadedModel::excluded.
 };
 
 /// Imports a model. The profile of the result contains only the name and the joint couplings.

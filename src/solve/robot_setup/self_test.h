@@ -45,7 +45,7 @@ struct TestedSegment {
 
 /// Result of self_test_motion() on a robot.
 struct SelfTest {
-  /// In the order of kLimbSegments; for a robot without legs, only those of the arms.
+  /// Segments in the order of kLimbSegments; for a robot without legs, only those of the arms.
   std::vector<TestedSegment> segments;
   double mean = 0.0;    ///< Mean over the segments, rad.
   TestedSegment worst;  ///< The segment with the largest mean.

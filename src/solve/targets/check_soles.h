@@ -15,7 +15,7 @@ struct SoleFaults {
 };
 
 /// Compares the soles of a robot's profile with its legs. A robot without soles has no faults.
-/// @param anatomy  of this robot, with legs.
+/// @param anatomy  anatomy of this robot, with legs.
 [[nodiscard]] SoleFaults check_soles(const Robot& robot, const RobotAnatomy& anatomy);
 
 /// The remedy for SoleFaults::missing.

@@ -107,7 +107,7 @@ struct SolvedFrames {
                                                 const LimitSet& limits,
                                                 const SolveFramesOptions& options = {});
 
-/// The same for a clip and its calibration, without keeping all human poses in memory.
+/// Solves a clip with its calibration, without keeping all human poses in memory.
 [[nodiscard]] Result<SolvedFrames> solve_frames(const Clip& clip, const Calibration& calibration,
                                                 const std::shared_ptr<const Robot>& robot,
                                                 const ResolvedConfig& config,
@@ -121,7 +121,7 @@ struct MadeTargets {
   std::vector<Pose> world_from_target;  ///< Frame-major.
 };
 
-/// The same for existing targets. Ignores the options `scale`, `trunk` and `targets_ahead`.
+/// Solves existing targets. Ignores the options `scale`, `trunk` and `targets_ahead`.
 [[nodiscard]] Result<SolvedFrames> solve_frames(const MadeTargets& made,
                                                 const std::shared_ptr<const Robot>& robot,
                                                 const ResolvedConfig& config,

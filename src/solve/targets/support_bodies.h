@@ -12,8 +12,8 @@
 
 namespace retarget {
 
-/// The part of a robot that carries its body while its human rests on a knee, elbow or hand, the
-/// seat or the back.
+/// The robot part that supports the robot while the human rests on a knee, elbow or hand, the seat
+/// or the back.
 struct SupportBody {
   /// The end of a collision shape.
   struct Point {

@@ -22,9 +22,10 @@ struct RobotTrunk {
     Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< A point on the axis.
     double lower = 0.0, upper = 0.0;  ///< Range relative to the zero configuration, radians.
   };
-  std::vector<Waist> waist;  ///< From the pelvis upwards.
+  std::vector<Waist> waist;  ///< Joints from the pelvis upwards.
   TrunkLines lines;
-  Eigen::Vector3d hip_line = Eigen::Vector3d::Zero();  ///< From the right hip to the left one.
+  Eigen::Vector3d hip_line = Eigen::Vector3d::Zero();  ///< Vector from the right hip to the left
+                                                       ///< one.
   Eigen::Quaterniond world_from_pelvis = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond world_from_torso = Eigen::Quaterniond::Identity();
 };

@@ -10,9 +10,9 @@ namespace retarget {
 
 /// Characteristic lines of the trunk of a human or a robot, metres.
 struct TrunkLines {
-  /// From the middle of the hips to the middle of the shoulders.
+  /// Vector from the middle of the hips to the middle of the shoulders.
   Eigen::Vector3d chord = Eigen::Vector3d::Zero();
-  /// From the right shoulder to the left one.
+  /// Vector from the right shoulder to the left one.
   Eigen::Vector3d across = Eigen::Vector3d::Zero();
 };
 
@@ -40,8 +40,8 @@ struct TrunkLines {
 /// They come from the T-pose, which removes differences between skeletons in the positions of hip
 /// and shoulder joints. A T-pose has a straight spine, which is not a natural stance. In clips with
 /// a naturally curved spine, a chord that leans back in the T-pose is therefore rotated to the
-/// vertical: not at all if standing_bend() is below 3 degrees, fully above 10 degrees. The lines of a
-/// robot's human are those of its T-pose.
+/// vertical: not at all if standing_bend() is below 3 degrees, fully above 10 degrees. The lines of
+/// a robot's human are those of its T-pose.
 /// @pre has_trunk(human)
 /// @param poses  called for at most about a hundred frames, and by standing_bend() if
 ///     HumanClipInfo::standing_bend is empty.
