@@ -349,8 +349,8 @@ struct SolveOptions {
   Method method = Method::kFit;
   std::string fit_config;  ///< JSON file of FitOptions; overrides `fit`; empty: none.
   FitOptions fit;          ///< Options of Method::kFit.
-  /// Options of `fit` given explicitly. A preset overrides neither these nor options that differ
-  /// from their defaults.
+  /// Names (fit_table) of options of `fit` given explicitly. A preset overrides neither these nor
+  /// options that differ from their defaults.
   std::vector<std::string> fit_given;
   double fit_window_s = 0.0;  ///< Overrides FitOptions::window, seconds; 0: no override.
   std::string scene;          ///< File of the scene around the human; empty: only a floor.

@@ -14,7 +14,7 @@ namespace retarget {
 struct SceneWorld {
   SceneClip clip;
   std::vector<DistanceField> fields;  ///< One per body, for the sizes in `scales`.
-  std::vector<double> scales;         ///< Size of each body relative to that of its field.
+  std::vector<double> scales;         ///< Size relative to that of the field, by body.
 
   [[nodiscard]] std::size_t body_count() const { return fields.size(); }
   [[nodiscard]] bool moves(std::size_t body) const { return clip.scene->bodies[body].moves; }

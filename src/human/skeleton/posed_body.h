@@ -116,7 +116,7 @@ struct BodyPoses {
     std::vector<Eigen::Vector3d> joints;  ///< World positions.
     std::vector<Eigen::Vector3d> tips;    ///< Farthest end site of each joint, or the joint itself.
   };
-  std::vector<Pose> poses;  ///< At least one.
+  std::vector<Pose> poses;  ///< Poses; at least one.
   /// Mean distance of each joint from its parent; 0 for the root and for joints that only position
   /// the body.
   std::vector<double> lengths;

@@ -39,7 +39,7 @@ class SenderLock {
   enum class Verdict : unsigned char {
     kSender,     ///< The packet is from the sender.
     kNewSender,  ///< It is from another machine or program, which becomes the sender.
-    kStranger,   ///< It is to be ignored.
+    kStranger,   ///< It must be ignored.
   };
 
   /// @param any_port  treat all ports of a machine as one sender, for protocols that use several.

@@ -126,7 +126,7 @@ class WithoutSignals {
   std::unique_ptr<Before> before_;
 };
 
-/// On Windows, sets the timer resolution to 1 ms; no effect elsewhere.
+/// While alive, sets the timer resolution to 1 ms on Windows; no effect elsewhere.
 class ExactWaits {
  public:
   ExactWaits();

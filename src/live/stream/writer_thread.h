@@ -21,7 +21,7 @@ namespace retarget {
 class FrameBytesQueue {
  public:
   struct Bounds {
-    std::size_t frames = 1;  ///< At least 1.
+    std::size_t frames = 1;  ///< Number of frames, at least 1.
     std::size_t bytes = 1;
   };
 

@@ -19,7 +19,7 @@ class ReferenceSpline {
 
   /// Evaluates the spline between two frames.
   /// @param index  first frame of the segment, before the last frame (0 for a single frame).
-  /// @param s      position within the piece, in [0, 1].
+  /// @param s      position within the segment, in [0, 1].
   void sample(int index, double s, MotionState& state) const;
 
   /// Joints whose spline was changed to keep its limits.

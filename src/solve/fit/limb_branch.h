@@ -16,7 +16,7 @@ namespace retarget {
 /// A path of a limb on another branch of its inverse kinematics, in an interval of a clip.
 struct LimbBranch {
   int begin = 0, end = 0;          ///< Frames [begin, end) that change.
-  std::vector<LimbJoints> joints;  ///< Joint positions of each frame.
+  std::vector<LimbJoints> joints;  ///< Joint positions by frame.
 };
 
 /// Writes the joint positions of the branch into the clip.
