@@ -129,7 +129,7 @@ struct ClipOrigin {
   std::vector<Warning> warnings;      ///< Problems found while reading.
 
   // Properties of scene files: FBX, glTF, MVNX (docs/scenes.md).
-  std::optional<double> metres_per_unit;  ///< If the file states it.
+  std::optional<double> metres_per_unit;  ///< Unit of the file, if it states one.
   std::optional<Eigen::Vector3d> up;  ///< Up direction in the file's axes, if the file states it.
   std::vector<std::string> takes;     ///< Names of the file's animations, in file order.
   std::string choices;  ///< Human-readable: the take, skeleton and rate that were chosen.

@@ -361,7 +361,8 @@ struct LoopOptions {
 struct Loop : Edited {
   int cycle = 0;          ///< Frames of one cycle: those of the source from its first frame, except
                           ///< around the seam.
-  double distance = 0.0;  ///< Between beginning and end before they were joined, as Seam::distance.
+  double distance = 0.0;  ///< Distance between beginning and end before they were joined; see
+                          ///< Seam::distance.
   GroundPose advance;     ///< Motion on the ground per cycle, before `in_place`, about the world
                           ///< origin.
   Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< Displacement of the hips per cycle, metres.

@@ -82,8 +82,8 @@ class OutputFile {
   OutputFile() = default;
   void discard();
 
-  std::string path_;       // As given by the user, for messages.
-  std::string target_;     // With symbolic links resolved.
+  std::string path_;       // Path as given by the user, for messages.
+  std::string target_;     // Path with symbolic links resolved.
   std::string temporary_;  // Empty while the temporary file has no name.
   int descriptor_ = -1;
   bool direct_ = false;  // Standard output, a pipe or a device: no temporary file.

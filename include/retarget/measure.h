@@ -131,7 +131,7 @@ struct MeasuredSource {
 
 /// The metrics of a motion, and the part of the source that the motion was compared with.
 struct MotionMeasure {
-  QualityReport report;      ///< Without gates.
+  QualityReport report;      ///< Report without gates.
   bool has_lead_in = false;  ///< Whether the motion includes the source's lead-in.
   int source_frames = 0;     ///< Frames of the source, counted from its start; 0: no source.
 };

@@ -91,7 +91,7 @@ class RobotCsvFormatter {
   void append_value(double value, std::string& text) const;
 
   RobotCsvOptions options_;
-  std::vector<Column> position_, rotation_, joints_;  // In output order.
+  std::vector<Column> position_, rotation_, joints_;  // Columns in output order.
   std::string header_;
 };
 

@@ -78,7 +78,7 @@ struct Plan {
   /// decide_time_scale to find it.
   std::optional<TimeScale> time_scale;
   FitOptions fit;
-  std::shared_ptr<const Scene> scene;  ///< Around the human; null: only the floor.
+  std::shared_ptr<const Scene> scene;  ///< Scene around the human; null: only the floor.
   std::vector<ObjectTrack> object_tracks;
   /// Changes to the contacts that are found in the clip.
   std::vector<ContactEdit> contact_edits;

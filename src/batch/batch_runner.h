@@ -20,7 +20,7 @@ namespace retarget {
 /// A robot of a batch with everything that is loaded once.
 struct BatchRobot {
   RobotSetup setup;
-  Run run;  ///< Without motion and output.
+  Run run;  ///< Run without motion and output.
   RunRequest request;
   RunFingerprint fingerprint;
   std::string name;
@@ -47,7 +47,7 @@ struct BatchContext {
 
 /// Settings of a process pool with one clip per task.
 struct ClipPool {
-  ProcessPoolOptions options;         ///< Without `keep_going`.
+  ProcessPoolOptions options;         ///< Options without `keep_going`.
   std::vector<std::uint64_t> memory;  ///< Bytes per clip.
 
   /// Memory limit of one clip in GB. A clip that needs more than the total limit runs alone.

@@ -37,7 +37,7 @@ struct ClipQuality {
 
 /// A file in a format that cannot represent the motion.
 struct MissingFile {
-  std::string file;  ///< Relative to the output folder.
+  std::string file;  ///< File name relative to the output folder.
   std::string reason;
 };
 

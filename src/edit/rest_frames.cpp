@@ -116,7 +116,7 @@ class RestChanger {
 
   const Clip& clip_;
   const std::shared_ptr<const Skeleton>& target_;
-  const std::vector<int> twins_;  // By target joint: index of its counterpart in the source.
+  const std::vector<int> twins_;  // One per target joint: index of its counterpart in the source.
   std::vector<Eigen::Quaterniond> turns_;  // Rotation Q by target joint.
 };
 

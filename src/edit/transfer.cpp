@@ -158,7 +158,7 @@ class Transfer {
   const TransferTarget& target_;
   const Eigen::Quaterniond target_from_human_;
   const SharedJoints shared_;
-  const std::vector<std::optional<Bone>> bone_of_joint_;  // By target joint.
+  const std::vector<std::optional<Bone>> bone_of_joint_;  // One per target joint.
   std::vector<Eigen::Vector3d> lengths_;  // By target joint: reference translation of its match,
                                           // source units.
   int placed_joint_ = 0;

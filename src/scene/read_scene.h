@@ -10,7 +10,7 @@ namespace retarget {
 
 /// A body of a scene as its file describes it, in a tree.
 struct SceneLink {
-  SceneBody body;   ///< Without its pose in the world.
+  SceneBody body;   ///< Body without its pose in the world.
   int parent = -1;  ///< Index of an earlier link; -1: the world.
   Pose parent_from_link;
 };

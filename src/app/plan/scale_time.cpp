@@ -294,8 +294,8 @@ class TimeScaleSearch {
   SolveControl control_;
   TimePlanner planner_;
   std::vector<LimbErrors> usual_, free_;  // By frame, at the usual speed; with and without limits.
-  std::vector<double> usual_excess_;      // By step, of torques.
-  std::vector<FastStep> fast_;            // By step, without limits; empty: limits do not act.
+  std::vector<double> usual_excess_;      // One per step, of torques.
+  std::vector<FastStep> fast_;            // One per step, without limits; empty: limits do not act.
 };
 
 std::string stretch_text(const SlowedStretch& stretch) {

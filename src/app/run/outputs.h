@@ -136,8 +136,8 @@ class MotionOutputs {
   WriteMotionOptions write_options_;
   bool in_memory_ = false;
   std::vector<OutputItem> items_;
-  std::vector<std::unique_ptr<CsvSink>> sinks_;      // By item; null: not a CSV.
-  std::vector<std::optional<MotionTarget>> others_;  // By item; nothing: a CSV.
+  std::vector<std::unique_ptr<CsvSink>> sinks_;      // One per item; null: not a CSV.
+  std::vector<std::optional<MotionTarget>> others_;  // One per item; nothing: a CSV.
   std::vector<OutputFile> sidecars_;  // Includes the files of contacts, scene and reference.
   std::string reference_;             // Path of the reference; empty: none.
   std::vector<SummaryLine> lines_;

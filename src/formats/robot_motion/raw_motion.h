@@ -43,7 +43,7 @@ struct PlacedBody {
 struct BodyPlaces {
   std::vector<PlacedBody> bodies;  ///< Bodies of the robot; empty: nothing to compare.
   std::vector<double> positions;   ///< 3 per body of the array, for each frame.
-  bool of_root = false;            ///< Relative to the root; otherwise in the world.
+  bool of_root = false;  ///< Whether positions are relative to the root; otherwise in the world.
 };
 
 /// A motion as stored in its file. The columns are identified; units and orders may still be
@@ -61,7 +61,8 @@ struct RawMotion {
   QuaternionOrder usual = QuaternionOrder::kXyzw;  ///< The format's usual order.
   std::vector<double> joints;                      ///< joint_count per frame.
   std::size_t joint_count = 0;
-  std::vector<int> joint_indices;  ///< Into Robot::joints(); empty: identified by their count.
+  std::vector<int> joint_indices;  ///< Indices into Robot::joints(); empty: identified by their
+                                   ///< count.
   std::optional<bool> degrees;     ///< Set if the file declares the unit.
   std::optional<double> metres_per_unit;  ///< Set if the file declares the unit.
   /// Both units are those of the format, and nothing in the file states them.

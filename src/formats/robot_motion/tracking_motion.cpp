@@ -161,9 +161,9 @@ class TrackingMaker {
   TrackingMotion& motion_;
   const TrackingLayout& layout_;
   TreeState posed_;
-  std::vector<double> speeds_;              // By joint.
-  std::vector<Vector3d> linear_, angular_;  // By link; linear: at the base's origin.
-  std::vector<Vector3d> centres_;           // By body of the layout.
+  std::vector<double> speeds_;              // One per joint.
+  std::vector<Vector3d> linear_, angular_;  // One per link; linear: at the base's origin.
+  std::vector<Vector3d> centres_;           // One per body of the layout.
 };
 
 }  // namespace

@@ -336,7 +336,7 @@ class SceneSampler {
   int take_ = -1;
   SceneSkeleton skeleton_;
   std::vector<int> chain_;  // Nodes that affect the joints' positions, parents first.
-  std::vector<bool> in_chain_, has_joints_below_;  // By node.
+  std::vector<bool> in_chain_, has_joints_below_;  // One per node.
   std::vector<NodePlace> places_;                  // In the current frame.
   std::vector<double> sizes_;                      // In the first frame.
   std::vector<Warning> warnings_;

@@ -298,7 +298,7 @@ class FootContactFinder {
   int frames_ = 0;
   std::vector<RaisedStance> raised_;
   std::array<std::vector<int>, 2> stands_on_;  // Indexed by end and frame.
-  std::vector<int> both_stand_on_;             // By frame: the support that both ends share.
+  std::vector<int> both_stand_on_;             // One per frame: the support that both ends share.
   std::vector<double> heights_;
 };
 
@@ -445,7 +445,7 @@ class ContactPlanner::Impl {
   StandingHeightFinder heights_;
   std::vector<double> lengths_;
   std::array<FootContactFinder, 2> feet_;
-  std::vector<FootEnd> carrying_;  // By frame.
+  std::vector<FootEnd> carrying_;  // One per frame.
 };
 
 ContactPlanner::ContactPlanner() : impl_(std::make_unique<Impl>()) {}

@@ -324,7 +324,7 @@ class DriftSolver {
   static double cauchy(double x) { return 1.0 / square(1.0 + x * x); }
 
   EndTracks tracks_;
-  std::vector<char> falls_;  // By frame: whether the feet fall freely with the body.
+  std::vector<char> falls_;  // One per frame: whether the feet fall freely with the body.
   bool vertical_, climbs_;
   bool levels_ = false;  // Whether rolling_ follows the climb of the stances.
   double rate_;

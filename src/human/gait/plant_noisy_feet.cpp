@@ -294,7 +294,8 @@ class NoisyFootPlanter {
     const Track& toe = tracks_[stance_index(foot, kToeEnd)];
     std::vector<HeldEnd>& heels = held_[stance_index(foot, kHeelEnd)];
     const std::vector<HeldEnd>& toes = held_[stance_index(foot, kToeEnd)];
-    // Feet are rigid: a heel is held at the foot's length from the toe that is held longest with it.
+    // Feet are rigid: a heel is held at the foot's length from the toe that is held longest with
+    // it.
     std::vector<double> lengths;
     for (std::size_t i = 0; i < heel.size(); ++i) lengths.push_back((toe[i] - heel[i]).norm());
     const double length = median(lengths);
@@ -419,7 +420,7 @@ class NoisyFootPlanter {
   std::array<Track, 4> targets_;
   std::array<Track, 4> tracks_;
   std::array<std::vector<HeldEnd>, 4> held_;
-  std::array<std::optional<double>, 2> levels_;  // By end: the height of most stances, metres.
+  std::array<std::optional<double>, 2> levels_;  // One per end: the height of most stances, metres.
   std::array<std::vector<double>, 4> weights_;
   NoisyFeet result_;
 };

@@ -156,8 +156,8 @@ class SurfaceContactFinder {
   const SceneWorld& world_;
   std::size_t part_, body_;
   double size_, shortest_, frame_time_;
-  std::vector<double> distances_;  // By frame.
-  std::vector<Vector3d> places_;   // By frame, in the frame of the body.
+  std::vector<double> distances_;  // One per frame.
+  std::vector<Vector3d> places_;   // One per frame, in the frame of the body.
 };
 
 // The feet above the ground under them instead of above z = 0.

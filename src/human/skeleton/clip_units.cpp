@@ -47,7 +47,7 @@ class FootSteps {
   };
   [[nodiscard]] static double slowest_in(const std::vector<FootStep>& step, double root_scale);
 
-  std::vector<std::vector<FootStep>> steps_;  // By time step and foot.
+  std::vector<std::vector<FootStep>> steps_;  // One per time step and foot.
   double fold_ = 0.0;
 };
 

@@ -161,7 +161,7 @@ class ClipMaker {
   }
 
   const RobotHuman& human_;
-  std::vector<Bone> bones_;  // By joint.
+  std::vector<Bone> bones_;  // One per joint.
   BoneArray<int> joint_of_bone_{-1};
   BoneArray<bool> moves_{false};  // Whether a bone moves relative to its parent.
 };

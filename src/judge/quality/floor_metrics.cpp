@@ -102,7 +102,7 @@ struct ContactFigures {
   ContactMotion motion;
   // Numbers of feet and frames: all; source in contact; also robot in contact; both equal.
   int all = 0, in_contact = 0, kept = 0, agreed = 0;
-  std::vector<char> floating;  // By frame: source in contact and robot above the floor.
+  std::vector<char> floating;  // One per frame: source in contact and robot above the floor.
 };
 
 void add_phase(const ReportBuilder& draft, const SoleTrack& track, const ContactPhase& phase,

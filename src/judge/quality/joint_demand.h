@@ -24,8 +24,8 @@ class JointDemand {
               int frames);
 
   /// Whether the pose demands a position beyond the current one, or less than 0.02 rad before it.
-  /// False if no target depends on the joint or the frame has no source. Keeps the robot's pose of the
-  /// last frame, so that further joints of the same frame take less time.
+  /// False if no target depends on the joint or the frame has no source. Keeps the robot's pose of
+  /// the last frame, so that further joints of the same frame take less time.
   /// @param upper  whether `beyond` means greater.
   [[nodiscard]] bool reaches(int frame, int joint, bool upper);
 
@@ -47,7 +47,7 @@ class JointDemand {
   const HumanClip* human_ = nullptr;
   int frames_ = 0;
   std::optional<TargetBuilder> targets_;
-  std::vector<std::optional<Span>> spans_;  // By joint.
+  std::vector<std::optional<Span>> spans_;  // One per joint.
   int frame_ = -1;                          // The last evaluated frame.
   TreeState posed_;
   bool has_trunk_ = false;  // Whether trunk_ is that of this frame.

@@ -145,10 +145,10 @@ class OffsetMeter {
   const LimitSet& limits_;
   const std::vector<LimbDirections>& limbs_;
   TreeState state_;
-  std::vector<Movers> movers_;    // By limb.
+  std::vector<Movers> movers_;    // One per limb.
   std::vector<Lever> levers_;     // Scratch memory, by Movers::ends.
-  std::vector<char> is_free_;     // By joint.
-  std::vector<OffsetSums> sums_;  // By joint.
+  std::vector<char> is_free_;     // One per joint.
+  std::vector<OffsetSums> sums_;  // One per joint.
 };
 
 // Uses the limbs of the first rank that the joint moves; empty if they do not determine the offset.

@@ -281,14 +281,14 @@ class SceneMeter {
   std::vector<SupportBody> supports_;
   int frames_ = 0;
   TreeState state_;
-  std::vector<std::vector<Probe>> probes_;  // By link.
-  std::vector<double> spheres_;             // By link: reach of its probes, metres.
+  std::vector<std::vector<Probe>> probes_;  // One per link.
+  std::vector<double> spheres_;             // One per link: reach of its probes, metres.
   std::vector<SurfacePhase> phases_;
   // By pair of support body and scene body (index()), then by frame.
   std::vector<std::vector<char>> human_touches_, robot_touches_, sticks_;
   std::vector<Vector3d> last_places_;
   std::vector<double> gaps_, slips_;
-  std::vector<char> touches_;  // By frame: whether a part of the robot touches the scene.
+  std::vector<char> touches_;  // One per frame: whether a part of the robot touches the scene.
   double deepest_ = 0.0, deep_frames_ = 0.0, kept_ = 0.0;
   FaultList deep_, away_, slipping_;
 };

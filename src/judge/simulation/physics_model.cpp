@@ -134,7 +134,7 @@ class Builder {
   const Robot& robot_;
   mjSpec* spec_;
   Inertias inertias_;
-  std::vector<mjsBody*> bodies_;  // By link.
+  std::vector<mjsBody*> bodies_;  // One per link.
 };
 
 Result<void> check_robot(const Robot& robot) {

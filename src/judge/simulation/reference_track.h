@@ -130,7 +130,7 @@ class ReferenceTrack {
   std::array<Sample, 3> window_;  // The steps before, at and after the current one.
   ReferenceState reference_;
   std::vector<std::vector<double>> until_planned_;  // By foot and step; see FootMotion.
-  std::vector<Eigen::Vector2d> shift_;  // By step: balancing_shift() of the centre of mass.
+  std::vector<Eigen::Vector2d> shift_;  // One per step: balancing_shift() of the centre of mass.
 };
 
 }  // namespace retarget

@@ -263,7 +263,7 @@ class Simulator {
   RobotClip motion_;
   SimulationReport report_;
   std::size_t sole_count_ = 0;
-  std::vector<double> torque_ratios_;  // By step: largest ratio of a torque to its limit.
+  std::vector<double> torque_ratios_;  // One per step: largest ratio of a torque to its limit.
   std::vector<Vector3d> last_points_;
   double slip_ = 0.0;
   std::size_t slip_count_ = 0;

@@ -101,7 +101,7 @@ class WholeBodyController {
   std::vector<Foot> feet_;
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // Of the body; horizontal, metres.
   std::vector<double> scales_;                        // Torque per unit of input, by joint.
-  std::vector<double> loads_;            // By point: largest edge force, share of the weight.
+  std::vector<double> loads_;            // One per point: largest edge force, share of the weight.
   std::vector<Eigen::Vector3d> places_;  // Positions of step_.points, world, metres.
   // By input, a torque or an edge force: generalised force, and the acceleration that it causes.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inputs_, response_;

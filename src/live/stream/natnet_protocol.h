@@ -55,7 +55,7 @@ inline constexpr std::uint32_t kNatNetSkeletonType = 2;  ///< Type of a skeleton
 /// Description of a bone, sent once.
 struct NatNetBone {
   std::string name;
-  int id = 0;                                        ///< Within its skeleton.
+  int id = 0;                                        ///< ID within its skeleton.
   int parent = 0;                                    ///< ID of the parent; 0: none.
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Offset in the parent's axes, metres.
 };

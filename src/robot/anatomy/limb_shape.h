@@ -73,7 +73,7 @@ struct ShapedPair {
 
 /// The pairs of branches that are a robot's legs and arms, left and right in any order.
 struct LimbPairs {
-  ShapedPair legs;  ///< Without joints for a robot with a fixed base.
+  ShapedPair legs;  ///< Legs; without joints for a robot with a fixed base.
   ShapedPair arms;
   double lean = 0.0;  ///< Lean of the line from hips to shoulders, degrees; 0 without legs.
 };

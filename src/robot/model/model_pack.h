@@ -72,7 +72,7 @@ struct PackedArrays {
 /// A model of a pack.
 struct PackedModel : PackedArrays {
   std::string file;    ///< Name of the model's file, without folder.
-  LoadedModel loaded;  ///< Without its model.
+  LoadedModel loaded;  ///< Robot without its model.
 };
 
 /// Copies the parts of a loaded model that a pack needs.

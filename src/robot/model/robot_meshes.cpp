@@ -133,7 +133,7 @@ class RobotMeshLoader {
   const Robot& robot_;
   const std::string folder_;
   const bool must_;            // If true, report errors as errors instead of notes.
-  std::vector<bool> covered_;  // By body.
+  std::vector<bool> covered_;  // One per body.
   std::vector<std::string> unreadable_;
   RobotMeshes result_;
 };

@@ -65,10 +65,10 @@ class ContactForces {
   double weight_, lever_;
   std::size_t count_ = 0;
   std::vector<Eigen::Vector3d> levers_;  // Vectors from the centre of mass to the points.
-  std::vector<Eigen::Matrix<double, 3, 4>> edges_;  // By point: edges of its friction pyramid.
+  std::vector<Eigen::Matrix<double, 3, 4>> edges_;  // One per point: edges of its friction pyramid.
   std::vector<RowsOfJoints> jacobians_;  // By point: joint torque per unit of force, rows by link.
   std::vector<RowsOfJoints> scaled_jacobians_;  // Residual of a joint per body weight of force.
-  Eigen::VectorXd scale_, scaled_torques_;      // By link.
+  Eigen::VectorXd scale_, scaled_torques_;      // One per link.
   Eigen::MatrixXd hessian_;
   Eigen::VectorXd gradient_, lower_, upper_, amounts_;
   BoxQp qp_;

@@ -290,15 +290,15 @@ class ReferenceMaker {
   Inertias inertias_;
   std::vector<SupportPoint> points_;
   std::optional<SceneSupports> scene_;
-  std::vector<double> torque_limits_;  // By link.
+  std::vector<double> torque_limits_;  // One per link.
   BodySizes sizes_;
   MotionState motion_;
   TreeState state_;
   InverseDynamics inverse_;
   ContactForces contacts_;
-  std::vector<WorstTorque> worst_;  // By link.
+  std::vector<WorstTorque> worst_;  // One per link.
   std::optional<SupportTracks> tracks_;
-  std::vector<int> column_;  // By support point; -1: never in contact.
+  std::vector<int> column_;  // One per support point; -1: never in contact.
   MotionReference result_;
   // Scratch memory.
   std::vector<int> chosen_;

@@ -65,7 +65,7 @@ class SceneSupports {
 
   const SceneWorld& world_;
   int begin_, end_;
-  std::vector<int> row_;             // By body: index among the moving bodies; -1 if static.
+  std::vector<int> row_;             // One per body: index among the moving bodies; -1 if static.
   std::vector<BodyMotion> motions_;  // Frame-major, moving bodies only.
   std::size_t moving_ = 0;
 };

@@ -103,13 +103,13 @@ class WindowFitter final : public MovingFit {
   std::optional<CrossingTerms> crossings_;
   JointSpeeds speeds_;
   BlockChain chain_;
-  std::vector<NearList> pairs_;  // By frame.
+  std::vector<NearList> pairs_;  // One per frame.
   // Largest change of a distance for which the pairs stay: half of that after which a shape that
   // was not near may overlap. The other half is for the steps until the next update.
   double pairs_stay_;
-  std::vector<double> damping_, cost_;  // By frame.
+  std::vector<double> damping_, cost_;  // One per frame.
   HeldLimits held_;
-  std::vector<int> ages_;  // By frame: number of steps so far; only for a sliding window.
+  std::vector<int> ages_;  // One per frame: number of steps so far; only for a sliding window.
   std::vector<StepTerm> steps_before_, steps_after_;  // Step terms before and after the current
                                                       // frame, by dof.
   std::vector<double> applied_;                       // Change applied to the current frame, by

@@ -89,7 +89,7 @@ class Fit {
   FitModel model_;
   FitClip clip_;
   SourceFeet feet_;
-  std::vector<Eigen::Vector3d> path_;  // By frame: offset added to the first stage's targets.
+  std::vector<Eigen::Vector3d> path_;  // One per frame: offset added to the first stage's targets.
 };
 
 // Reads the human's poses and makes the targets of all frames.

@@ -113,18 +113,18 @@ class FitDynamics {
   std::vector<Eigen::Vector3d> headings_;  // Forward direction of the base, by frame.
   std::optional<SceneSupports> scene_;
   SolePoints sole_contacts_;                   // Contact points of the shrunk soles.
-  std::vector<Eigen::Vector3d> sole_normals_;  // By foot, in the axes of its link.
+  std::vector<Eigen::Vector3d> sole_normals_;  // One per foot, in the axes of its link.
   // By link, N m: largest torque in frames with overloaded ankles.
   std::vector<double> ankle_torques_;
   ConeProjector projector_;
-  std::vector<double> overload_;      // By frame, 0 to 1: share of to_reach that applies.
+  std::vector<double> overload_;      // One per frame, 0 to 1: share of to_reach that applies.
   std::vector<SupportPoint> points_;  // Points that may touch bodies of the scene.
   std::vector<LinkLoad> loads_;       // Lifted objects, in the current frame.
   std::vector<Eigen::Vector3d> com_, first_com_;  // Now and in begin(); world, metres.
   // Goal of the centre of mass (world, metres) and remaining change of the angular
   // quasi-coordinate.
   std::vector<Vector6d> goals_;
-  std::vector<double> rest_before_, share_;             // By frame; see restrain().
+  std::vector<double> rest_before_, share_;             // One per frame; see restrain().
   Eigen::Matrix<double, 3, Eigen::Dynamic> spin_rows_;  // Angular rows, frame after frame.
   bool begun_ = false, planned_ = false;
   std::vector<Eigen::Vector3d> places_;

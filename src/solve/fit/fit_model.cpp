@@ -56,7 +56,7 @@ class ModelMaker {
   const FitOptions& options_;
   const SourceSides& sides_;
   FitModel model_;
-  std::vector<int> shape_body_;  // By shape.
+  std::vector<int> shape_body_;  // One per shape.
 };
 
 FitModel ModelMaker::make() {

@@ -38,7 +38,7 @@ struct SceneGoal {
 struct FitScene {
   SceneWorld world;  ///< Scene at the robot's scale, in the clip's frames.
   std::vector<std::vector<FloorPoint>> points;  ///< Spheres that cover the shapes, by link.
-  std::vector<BoundingSphere> spheres;          ///< Around the points of each link.
+  std::vector<BoundingSphere> spheres;          ///< Spheres around the points of each link.
   std::vector<SceneGoal> goals;                 ///< Goals of all frames in order.
   std::vector<std::uint32_t> first_goal;        ///< Index of each frame's first goal, then the
                                                 ///< number of goals.

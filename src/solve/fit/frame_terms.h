@@ -163,7 +163,7 @@ class FrameTerms {
 
   const FitModel& model_;
   const FitOptions& options_;
-  std::vector<Composite> composites_;  // By link.
+  std::vector<Composite> composites_;  // One per link.
   std::vector<double> tree_hessian_;   // Laid out as in assemble().
   std::vector<double> row_;
   std::vector<int> row_dofs_;

@@ -39,8 +39,9 @@ struct StepTerm {
 ///
 /// For the joints of arms and legs, s minimises |v - s|^2 + (T / dt)^4 |D D s|^2, with another T.
 /// The term then penalises changes of acceleration, and a limb may turn round as fast as the
-/// human's. Touchdown and lift-off of a limb are such changes, and a limb that carries the body must
-/// not tremble: while a part of a limb is in contact, its differences are of first order as above.
+/// human's. Touchdown and lift-off of a limb are such changes, and a limb that carries the body
+/// must not tremble: while a part of a limb is in contact, its differences are of first order as
+/// above.
 ///
 /// In a scene, the terms of all joints are larger near contacts with its bodies, by the factors
 /// F = diag(f) of FitScene::joint_smoothness: s minimises (v - s)' F (v - s) + s' K s, where K
@@ -67,7 +68,7 @@ class JointSpeeds {
     // Frames before and after a contact in which the limb counts as in contact.
     int margin = 0;
     bool second_order = false;      // Away from contacts.
-    std::vector<double> stiffness;  // By step, like stiffness_.
+    std::vector<double> stiffness;  // One per step, like stiffness_.
   };
 
   [[nodiscard]] static Limb limb_of(const FitModel& model, const FitLimb& limb, double frame_time);

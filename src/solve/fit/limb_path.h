@@ -48,7 +48,7 @@ class LimbPathFinder {
   const FitOptions& options_;
   const double frame_time_;
   LimbFrame frame_;
-  std::vector<double> max_speed_;        // By joint, rad/s or m/s.
+  std::vector<double> max_speed_;        // One per joint, rad/s or m/s.
   double lowest_ = 0.0, spacing_ = 0.0;  // Grid of the first joint, rad.
   int positions_ = 1;                    // Number of grid points.
 };

@@ -60,14 +60,14 @@ class NearPairs {
 
   const FitModel& model_;
   std::vector<int> paired_links_;
-  std::vector<LinkPath> paths_;  // By link.
+  std::vector<LinkPath> paths_;  // One per link.
   bool started_ = false;
   double within_ = -1.0;
   // Sum of the two links' path lengths up to which the shapes are not near: by pair, and by group.
   std::vector<double> far_until_, group_far_until_;
-  std::vector<double> near_until_;        // By pair: the sum up to which the shapes are near.
-  std::vector<RoundedShape> placed_;      // By shape.
-  std::vector<std::uint64_t> placed_in_;  // By shape: number of the pose of `placed_`.
+  std::vector<double> near_until_;        // One per pair: the sum up to which the shapes are near.
+  std::vector<RoundedShape> placed_;      // One per shape.
+  std::vector<std::uint64_t> placed_in_;  // One per shape: number of the pose of `placed_`.
   std::uint64_t pose_count_ = 0;
 };
 

@@ -166,7 +166,7 @@ class ObjectFollower {
   int reach_;
   FitScene& scene_;
   Vector3d com_;
-  std::vector<std::optional<Move>> found_;  // By frame.
+  std::vector<std::optional<Move>> found_;  // One per frame.
   std::vector<Move> moves_;
   std::vector<double> lifted_;
 };

@@ -30,7 +30,7 @@ struct Pair {
 
 // The tasks of a pass.
 struct Pass {
-  std::vector<int> pairs;      // By task.
+  std::vector<int> pairs;      // One per task.
   std::vector<int> on_links;   // The pairs whose body moves, without repetitions.
   TaskBatch::Weights weights;  // By pair.
 };
@@ -73,7 +73,7 @@ class FastSolver final : public IkSolver {
   std::vector<Pose> known_targets_;
 
   TreeState state_;
-  std::vector<Composite> composites_;  // By link.
+  std::vector<Composite> composites_;  // One per link.
   TreeSystem system_;
   ActiveSet active_set_;
   double damping_ = 0.0;

@@ -52,7 +52,7 @@ class TreeSystem {
   std::vector<int> l_begin_;       // Offset of each row in L_. Rows are padded to whole vectors.
   std::vector<double> L_;          // Holds D on the diagonal.
   std::vector<double> inverse_d_;
-  std::vector<char> masked_;  // By variable: whether it is bound.
+  std::vector<char> masked_;  // One per variable: whether it is bound.
   Eigen::VectorXd g_;
 };
 
