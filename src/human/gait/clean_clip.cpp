@@ -158,7 +158,7 @@ class ClipCleaner {
     if (moved < 0) return;
     const auto [feet, hips] = read_feet();
     if (feet.foot_count == 0) return;
-    const RootEvidence evidence = measure_root(feet);
+    const RootEvidence evidence = without_noise(measure_root(feet), report_.foot_noise.speed);
     if (!jittery_ && !evidence.moves()) return;
     // This drift is not the path of a body whose root translation is missing: correcting it would
     // cover a part of the path and hide the fault from the gates.
@@ -173,6 +173,14 @@ class ClipCleaner {
     report_.notes.push_back(root_note(found, evidence));
     report_.root_moved = found.farthest;
     if (jittery_) hold_feet(moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
+  }
+
+  // Speeds that the noise of the joints does not explain.
+  [[nodiscard]] static RootEvidence without_noise(RootEvidence evidence, double noise) {
+    for (double* speed : {&evidence.speed, &evidence.single_speed, &evidence.shake_speed}) {
+      *speed = std::sqrt(std::max(0.0, *speed * *speed - noise * noise));
+    }
+    return evidence;
   }
 
   // In a fast run with noise few feet stand, and the solution follows those that swing. Then its

@@ -166,7 +166,7 @@ TrackNoise measure_noise(const std::vector<Vector3d>& places) {
 
 bool has_white_noise(const std::vector<TrackNoise>& jittery) {
   // Errors that accumulate are not below -1/2, apart from the scatter of finite tracks.
-  constexpr double kWhite = -0.54, kLowest = 25.0;  // Percent.
+  constexpr double kWhite = -0.54, kLowest = 10.0;  // Percent.
   std::vector<double> correlations;
   for (const TrackNoise& noise : jittery) correlations.push_back(noise.correlation);
   return !correlations.empty() && percentile(std::move(correlations), kLowest) < kWhite;
@@ -188,7 +188,7 @@ double smoothing_strength(double cutoff, double frame_time) {
 }
 
 NoiseRest rest_of(const NoisePower& noise, double strength, double frame_time) {
-  constexpr double kSpeedTime = 0.125, kWanderTime = 1.0;  // Seconds.
+  constexpr double kSpeedTime = 1.0 / 15.0, kWanderTime = 1.0;  // Seconds.
   const double frames = std::max(1.0, kSpeedTime / frame_time);
   const double square = mean_power(strength, [&](double frequency, double gain) {
     return gain * gain * power_at(frequency, noise) * gain_of_difference(frequency, frames);

@@ -48,8 +48,8 @@ struct NoisePower {
 /// The strength of smoothed() that has its gain of one half at a frequency in Hz.
 [[nodiscard]] double smoothing_strength(double cutoff, double frame_time);
 
-/// Noise that remains after smoothing: RMS speed over the time in which contacts measure it, and
-/// RMS distance of errors that accumulate from their mean over a second.
+/// Noise that remains after smoothing: RMS speed over 1/15 s, as that of contacts, and RMS
+/// distance of errors that accumulate from their mean over a second.
 struct NoiseRest {
   double speed = 0.0, wander = 0.0;
 };
