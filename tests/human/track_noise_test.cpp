@@ -49,7 +49,8 @@ std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double d
 }
 
 // Independent errors of this RMS angle about each axis, degrees.
-std::vector<Quaterniond> with_white_noise(std::vector<Quaterniond> rotations, double degrees) {
+std::vector<Quaterniond> with_independent_errors(std::vector<Quaterniond> rotations,
+                                                 double degrees) {
   std::mt19937 random(5);
   const auto gauss = [&] {
     double sum = -6.0;
@@ -184,12 +185,12 @@ TEST(TrackNoise, SmoothingFollowsTheMovement) {
 }
 
 TEST(TrackNoise, IsWhiteIfErrorsAreIndependent) {
-  EXPECT_TRUE(has_white_noise({measure_noise(with_white_noise(swing(), 1.0))}));
+  EXPECT_TRUE(has_white_noise({measure_noise(with_independent_errors(swing(), 1.0))}));
   EXPECT_FALSE(has_white_noise({measure_noise(with_noise(swing(), 2.0))}));
   EXPECT_FALSE(has_white_noise({}));
   // Three axes.
   const NoisePower power =
-      NoisePower::of(measure_noise(with_white_noise(swing(), 1.0)), true);
+      NoisePower::of(measure_noise(with_independent_errors(swing(), 1.0)), true);
   EXPECT_EQ(power.walk, 0.0);
   EXPECT_NEAR(std::sqrt(power.white), std::sqrt(3.0) * kDegree, 0.15 * kDegree);
 }
@@ -199,7 +200,7 @@ TEST(TrackNoise, SmoothingNeverHarmsTracksWithWhiteNoise) {
   for (const double hertz : {0.5, 1.0, 2.0}) {
     const std::vector<Quaterniond> clean = swing(300, 30.0, hertz);
     for (const double degrees : {0.1, 0.3, 1.0, 4.0}) {
-      const std::vector<Quaterniond> noisy = with_white_noise(clean, degrees);
+      const std::vector<Quaterniond> noisy = with_independent_errors(clean, degrees);
       const auto smooth = best_smooth(noisy, measure_noise(noisy), true);
       EXPECT_LE(rms_error(clean, smooth), rms_error(clean, noisy)) << hertz << ' ' << degrees;
     }
@@ -212,7 +213,7 @@ TEST(TrackNoise, HigherRatesLeaveLessWhiteNoise) {
   for (const int factor : {1, 2, 4}) {
     const double frame_time = kNoiseFrameTime / factor;
     const std::vector<Quaterniond> clean = swing(300 * factor, 30.0, 2.0 / factor);
-    const std::vector<Quaterniond> noisy = with_white_noise(clean, 1.0);
+    const std::vector<Quaterniond> noisy = with_independent_errors(clean, 1.0);
     const TrackNoise noise = measure_noise(noisy);
     const double error = rms_error(clean, best_smooth(noisy, noise, true, frame_time));
     EXPECT_LT(error, 0.85 * before);
@@ -231,7 +232,7 @@ TEST(TrackNoise, RestIsWhatSmoothingLeaves) {
 
 // Velocities of such tracks change in few frames, like those of noise.
 TEST(TrackNoise, InterpolatedTracksHaveNone) {
-  const std::vector<Quaterniond> knots = with_white_noise(swing(100), 2.0);
+  const std::vector<Quaterniond> knots = with_independent_errors(swing(100), 2.0);
   for (const int parts : {2, 3, 4}) {
     std::vector<Quaterniond> track;
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {

@@ -230,15 +230,25 @@ class ClipCleaner {
 
   // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
   void hold_feet(int moved, double speed) {
-    // Speeds of noise rarely exceed four times their median, so feet this slow have less noise.
+    const bool of_positions = !clip_.origin().unknown_rotations.empty();
+    // Noise of positions is an upper bound. Speeds of noise rarely exceed four times their median.
     constexpr double kRarely = 4.0;
-    report_.foot_noise.speed = std::min(report_.foot_noise.speed, kRarely * speed);
+    if (of_positions) {
+      report_.foot_noise.speed = std::min(report_.foot_noise.speed, kRarely * speed);
+    }
     // The fit holds slower feet by itself; noise of that size looks like slow steps.
     constexpr double kSlow = 0.07;
     const double of_noise = std::min(speed, report_.foot_noise.speed);
-    if (!(of_noise > kSlow)) return;
-    const NoisyFeet held = plant_noisy_feet(clip_, part_, calibration_, moved, of_noise,
-                                            report_.foot_noise.wander);
+    NoisyFeet held;
+    if (of_noise > kSlow) {
+      held =
+          plant_noisy_feet(clip_, part_, calibration_, moved, of_noise, report_.foot_noise.wander);
+    }
+    if (held.stances == 0 && !of_positions) {
+      // Stances that are not held end where the noise peaks.
+      constexpr double kPeaks = 1.5;
+      report_.foot_noise.speed *= kPeaks;
+    }
     if (held.stances == 0) return;
     report_.notes.push_back(fmt::format("{} of feet held: the legs turn, ankles by up to {} m",
                                         count_text(held.stances, "stance"),
@@ -345,8 +355,8 @@ std::vector<std::string> bridge_position_spikes(Clip& clip) {
 }
 
 PositionJitter clean_positions(Clip& clip) {
-  constexpr double kStep = 0.003;   // Share of the body's extent.
-  constexpr double kSlowest = 2.0;  // Hz
+  constexpr double kStep = 0.003;       // Share of the body's extent.
+  constexpr double kSlowest = 2.0;      // Hz
   constexpr double kUsualExtent = 1.7;  // Metres, of a body with legs of kUsualSourceLeg.
   if (!has_positions_only(clip)) return {};
   std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);

@@ -372,8 +372,14 @@ class NoisyFootPlanter {
     const LimbMover leg(clip_, calibration_, joints, side_bone(side, LimbBone::kLeg));
     for (int i = 0; i < feet_.frame_count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
-      place_foot(foot, i, offsets[0][at], offsets[1][at], leg);
+      place_foot(foot, i, within_reach(offsets[0][at]), within_reach(offsets[1][at]), leg);
     }
+  }
+
+  // Interpolation over a short swing between opposite corrections would overshoot.
+  [[nodiscard]] Vector3d within_reach(const Vector3d& offset) const {
+    const double length = offset.norm();
+    return length > reach_ ? Vector3d(offset * (reach_ / length)) : offset;
   }
 
   // Feet of an upright body are not below those that stand: otherwise noise would set the height of

@@ -56,9 +56,9 @@ struct NoiseRest {
 [[nodiscard]] NoiseRest rest_of(const NoisePower& noise, double strength, double frame_time);
 
 /// Returns the cutoff frequency in Hz, at least `slowest`, of the low-pass that leaves the least
-/// error: what it removes of the movement and leaves of the noise. The noise is known, and what the
-/// filter removes of the track, so the error can be estimated for any movement (Stein's unbiased
-/// risk estimate). Nothing if the track itself has the least error.
+/// error: the removed part of the movement and the remaining part of the noise. The power of the
+/// noise and the removed part of the track are known, so this error can be estimated for any
+/// movement (Stein's unbiased risk estimate). Nothing if the track itself has the least error.
 /// @param rotations  neighbours have a dot product >= 0.
 [[nodiscard]] std::optional<double> best_cutoff(const std::vector<Eigen::Quaterniond>& rotations,
                                                 const NoisePower& noise, double frame_time,
