@@ -39,6 +39,16 @@ class Clean(ToolTest):
         self.assert_done(result)
         return json.loads(result.stdout)["motions"][0]
 
+    def joint_error(self, output):
+        """RMS difference of the joint angles of a motion from those of clean.csv."""
+        rows = []
+        for name in (output, "clean.csv"):
+            lines = (self.folder / name).read_text().splitlines()
+            rows.append([[float(value) for value in line.split(",")[7:]]
+                         for line in lines if line[0] in "-0123456789"])
+        squares = [(a - b) ** 2 for one, other in zip(*rows) for a, b in zip(one, other)]
+        return math.sqrt(sum(squares) / len(squares))
+
     def test_clean_clips_keep_every_byte(self):
         for name in SAMPLES:
             said = self.run_on(sample(name), output="auto.csv")
@@ -86,6 +96,27 @@ class Clean(ToolTest):
         self.assertLess(found["dynamics_bad_pct"], 5.0)
         # The noise floor: signals below the frequencies of the movement remain.
         self.assertLess(found["limb_angle_deg"][0], 5.0)
+
+    def test_white_noise_is_only_smoothed(self):
+        self.run_on(sample("walk"), output="clean.csv")
+        for degrees in (0.35, 0.9, 1.7, 3.5):
+            with self.subTest(degrees=degrees):
+                source = self.noisy("walk", lambda m: noise.rotation_noise(m, degrees, seconds=1e-6))
+                said = self.run_on(source)
+                self.assertIn("cleaned  jitter of", said)
+                self.assertNotIn("feet held", said)
+                self.assertNotIn("root moved", said)
+                self.run_on(source, "--clean", "off", output="off.csv")
+                self.assertLess(self.joint_error("out.csv"), self.joint_error("off.csv"))
+
+    def test_frames_of_a_slower_recording_are_no_jitter(self):
+        def repeat(motion):
+            motion.rows = [motion.rows[i - i % 2] for i in range(len(motion.rows))]
+
+        for name in ("walk", "squat"):
+            said = self.run_on(self.noisy(name, repeat))
+            self.assertIn("repeated frames interpolated", said)
+            self.assertNotIn("jitter", said)
 
     def test_feet_are_held_where_joints_jitter(self):
         clean = {}

@@ -20,6 +20,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 constexpr int kJoints = 4, kFrames = 60;
 
@@ -313,6 +314,28 @@ TEST(Spikes, AreInterpolated) {
     EXPECT_LT(found.angularDistance(clip.rotations(frame)[1]), 0.01) << frame;
     EXPECT_LT((std::as_const(spiky).translations(frame)[0] - clip.translations(frame)[0]).norm(),
               1e-9);
+  }
+}
+
+// The joint turns by 12 degrees per frame, more than 0.35 of a jump by 0.55 rad.
+TEST(Spikes, OfMovingJointsAreInterpolated) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    clip.rotations(frame)[1] = exp_so3(Vector3d(0.2 * frame, 0.0, 0.0));
+  }
+  for (const double jump : {0.55, -0.55, 1.0, -1.0}) {
+    for (const int frames : {1, 2, 3}) {
+      Clip spiky = clip;
+      for (int frame = 20; frame < 20 + frames; ++frame) {
+        spiky.rotations(frame)[1] = clip.rotations(frame)[1] * exp_so3(Vector3d(jump, 0.0, 0.0));
+      }
+      EXPECT_THAT(bridge_spikes(spiky, kWhole, 1.0), SizeIs(1)) << jump << ' ' << frames;
+      for (int frame = 18; frame < 25; ++frame) {
+        EXPECT_LT(std::as_const(spiky).rotations(frame)[1].angularDistance(
+                      std::as_const(clip).rotations(frame)[1]),
+                  1e-6);
+      }
+    }
   }
 }
 

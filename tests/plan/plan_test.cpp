@@ -188,7 +188,7 @@ TEST(FrontDoor, LowersWeightsOfBodyContactsForNoisySources) {
   const Clip clip = load_clip(sample("wave")).value();
   Clip noisy = clip;
   std::mt19937 random(1);
-  std::normal_distribution<double> angle(0.0, 0.03);
+  std::normal_distribution<double> angle(0.0, 0.05);
   for (int frame = 0; frame < noisy.frame_count(); ++frame) {
     for (Eigen::Quaterniond& rotation : noisy.rotations(frame)) {
       rotation = rotation * exp_so3({angle(random), angle(random), angle(random)});

@@ -10,7 +10,6 @@
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "human/gait/clean_clip.h"
 #include "human/gait/floor_tilt.h"
 #include "human/gait/repeated_frames.h"
 #include "human/gait/source_jumps.h"
@@ -130,9 +129,9 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   doubt_freezes(clip, plan);
   doubt_limbs(clip, plan);
   CleanReport report =
-      clean_clip(clip, plan.part, plan.human.calibration, !notes.positions.empty());
+      clean_clip(clip, plan.part, plan.human.calibration, notes.positions.foot_noise);
   std::vector<std::string> first;
-  for (const std::string& note : {notes.held, notes.positions}) {
+  for (const std::string& note : {notes.held, notes.positions.note}) {
     if (!note.empty()) first.push_back(note);
   }
   for (const std::string& spike : notes.spikes) first.push_back(spike + ": bridged");
@@ -143,9 +142,9 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   }
   plan.clip_notes.push_back({"", OPTION("clean") " off uses the clip unchanged"});
   doubt_path(report.root_moved, plan);
-  look_above_noise(report.foot_speed, plan.fit);
+  look_above_noise(report.foot_noise.speed, plan.fit);
   constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
-  plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_speed / kNoisySpeed));
+  plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_noise.speed / kNoisySpeed));
 }
 
 void doubt_jumps(const Clip& clip, Plan& plan) {

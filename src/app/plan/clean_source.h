@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "human/gait/clean_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/plan.h"
@@ -12,7 +13,7 @@ namespace retarget {
 /// Sentences that describe the changes of clean_source_frames(); empty: none.
 struct SourceNotes {
   std::string held;                      ///< Interpolated frames that repeated a pose.
-  std::string positions;                 ///< Smoothed joint positions.
+  PositionJitter positions = {};         ///< Smoothed joint positions.
   std::vector<std::string> spikes = {};  ///< Interpolated spikes of joint positions.
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "human/gait/root_drift.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/track_faults.h"
+#include "human/gait/track_noise.h"
 #include "human/gait/track_spikes.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
@@ -32,18 +34,19 @@ using Eigen::Vector3d;
 
 class ClipCleaner {
  public:
-  ClipCleaner(Clip& clip, FrameRange part, const Calibration& calibration, bool jittery)
-      : clip_(clip), part_(part), calibration_(calibration), jittery_(jittery) {}
+  ClipCleaner(Clip& clip, FrameRange part, const Calibration& calibration,
+              const FootNoise& foot_noise)
+      : clip_(clip), part_(part), calibration_(calibration) {
+    report_.foot_noise = foot_noise;
+  }
 
   CleanReport clean() {
     constexpr int kFewest = 3;  // Frames.
     if (part_.end - part_.begin < kFewest) return {};
     bridge();
     // Rotations computed from positions follow the smoothed positions.
-    if (clip_.origin().unknown_rotations.empty() && smooth_rotations()) {
-      jittery_ = true;
-      fix_lengths();
-    }
+    if (clip_.origin().unknown_rotations.empty()) smooth_rotations();
+    jittery_ = report_.foot_noise.wander > 0.0;
     move_root();
     return std::move(report_);
   }
@@ -67,35 +70,57 @@ class ClipCleaner {
     }
   }
 
-  // Smooths noise and returns whether it moves the feet.
-  bool smooth_rotations() {
+  void smooth_rotations() {
     constexpr double kSlowest = 1.5;  // Hz
     const double frame_time = clip_.rate().frame_time();
     const JointJitter jitter = find_jitter(clip_, part_, calibration_);
     std::vector<double> cutoffs;
+    std::map<int, NoiseRest> rests;  // By joint.
     for (const int joint : jitter.joints) {
       const std::vector<Quaterniond> rotations = rotation_track(clip_, part_, joint);
-      const TrackNoise noise = measure_noise(rotations, frame_time);
+      const TrackNoise noise = measure_noise(rotations);
       if (!noise.may_exceed(kSmallStep)) continue;
-      cutoffs.push_back(cutoff_for(noise, frame_time, kSlowest));
-      const auto smooth = smoothed(rotations, cutoffs.back(), frame_time);
+      const NoisePower power = NoisePower::of(noise, jitter.white);
+      const auto cutoff = best_cutoff(rotations, power, frame_time, kSlowest);
+      const double strength = cutoff ? smoothing_strength(*cutoff, frame_time) : 0.0;
+      rests[joint] = rest_of(power, strength, frame_time);
+      if (!cutoff) continue;
+      cutoffs.push_back(*cutoff);
+      const auto smooth = smoothed(rotations, strength);
       for (int frame = part_.begin; frame < part_.end; ++frame) {
         clip_.rotations(frame)[static_cast<std::size_t>(joint)] =
             smooth[static_cast<std::size_t>(frame - part_.begin)];
       }
     }
-    if (cutoffs.empty()) return false;
+    if (cutoffs.empty()) return;
     const auto [slowest, fastest] = std::ranges::minmax(cutoffs);
     report_.notes.push_back(
         fmt::format("jitter of {} degrees per frame (median of {}) smoothed, cutoffs {} to {} Hz",
                     number_text(median(jitter.steps) * 180.0 / std::numbers::pi, 1), jitter.of,
                     number_text(slowest, 1), number_text(fastest, 1)));
-    if (jitter.foot_steps.empty()) return false;
-    // The remaining noise is slow. Estimate its speed from the drift of a straight leg over kTime.
-    constexpr double kTime = 0.125;  // Seconds.
-    report_.foot_speed =
-        kUsualSourceLeg * median(jitter.foot_steps) / std::sqrt(kTime * frame_time);
-    return true;
+    report_.foot_noise = noise_of_feet(rests);
+    if (report_.foot_noise.speed > 0.0) fix_lengths();
+  }
+
+  // Of the noisier foot, at the end of a straight leg.
+  [[nodiscard]] FootNoise noise_of_feet(const std::map<int, NoiseRest>& rests) const {
+    // Two of three axes of rotation are across the leg.
+    constexpr double kAcross = 2.0 / 3.0, kHalf = 0.5 * 0.5;
+    FootNoise most;
+    for (const Side side : kSides) {
+      double square = 0.0, wander = 0.0;
+      for (const auto& [bone, share] : {std::pair{Bone::kHips, 1.0},
+                                        {side_bone(side, LimbBone::kUpLeg), 1.0},
+                                        {side_bone(side, LimbBone::kLeg), kHalf}}) {
+        const auto rest = rests.find(calibration_.bones[bone].rotation_joint);
+        if (rest == rests.end()) continue;
+        square += kAcross * share * rest->second.speed * rest->second.speed;
+        wander += kAcross * share * rest->second.wander * rest->second.wander;
+      }
+      const double speed = kUsualSourceLeg * std::sqrt(square);
+      if (speed > most.speed) most = {speed, kUsualSourceLeg * std::sqrt(wander)};
+    }
+    return most;
   }
 
   // The hips and their ancestors.
@@ -133,7 +158,7 @@ class ClipCleaner {
     if (moved < 0) return;
     const auto [feet, hips] = read_feet();
     if (feet.foot_count == 0) return;
-    const RootEvidence evidence = measure_root(feet);
+    const RootEvidence evidence = without_noise(measure_root(feet), report_.foot_noise.speed);
     if (!jittery_ && !evidence.moves()) return;
     // This drift is not the path of a body whose root translation is missing: correcting it would
     // cover a part of the path and hide the fault from the gates.
@@ -148,6 +173,14 @@ class ClipCleaner {
     report_.notes.push_back(root_note(found, evidence));
     report_.root_moved = found.farthest;
     if (jittery_) hold_feet(moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
+  }
+
+  // Speeds that the noise of the joints does not explain.
+  [[nodiscard]] static RootEvidence without_noise(RootEvidence evidence, double noise) {
+    for (double* speed : {&evidence.speed, &evidence.single_speed, &evidence.shake_speed}) {
+      *speed = std::sqrt(std::max(0.0, *speed * *speed - noise * noise));
+    }
+    return evidence;
   }
 
   // In a fast run with noise few feet stand, and the solution follows those that swing. Then its
@@ -197,18 +230,26 @@ class ClipCleaner {
 
   // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
   void hold_feet(int moved, double speed) {
+    const bool of_positions = !clip_.origin().unknown_rotations.empty();
+    // Noise of positions is an upper bound. Speeds of noise rarely exceed four times their median.
+    constexpr double kRarely = 4.0;
+    if (of_positions) {
+      report_.foot_noise.speed = std::min(report_.foot_noise.speed, kRarely * speed);
+    }
     // The fit holds slower feet by itself; noise of that size looks like slow steps.
     constexpr double kSlow = 0.07;
+    const double of_noise = std::min(speed, report_.foot_noise.speed);
     NoisyFeet held;
-    if (speed > kSlow) held = plant_noisy_feet(clip_, part_, calibration_, moved, speed);
-    if (held.stances == 0) {
-      // Speeds rarely exceed three times the median.
-      report_.foot_speed = std::max(report_.foot_speed, 3.0 * speed);
-      return;
+    if (of_noise > kSlow) {
+      held =
+          plant_noisy_feet(clip_, part_, calibration_, moved, of_noise, report_.foot_noise.wander);
     }
-    // At the edges of stances some noise remains.
-    constexpr double kShare = 4.0;
-    report_.foot_speed = kShare * speed;
+    if (held.stances == 0 && !of_positions) {
+      // Stances that are not held end where the noise peaks.
+      constexpr double kPeaks = 1.5;
+      report_.foot_noise.speed *= kPeaks;
+    }
+    if (held.stances == 0) return;
     report_.notes.push_back(fmt::format("{} of feet held: the legs turn, ankles by up to {} m",
                                         count_text(held.stances, "stance"),
                                         number_text(held.farthest, 2)));
@@ -236,14 +277,15 @@ class ClipCleaner {
   Clip& clip_;
   FrameRange part_;
   const Calibration& calibration_;
-  bool jittery_;  // The limbs had noise, and some of it remains.
+  bool jittery_ = false;  // The limbs had noise, and some of it remains.
   CleanReport report_;
 };
 
 }  // namespace
 
-CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration, bool jittery) {
-  return ClipCleaner(clip, part, calibration, jittery).clean();
+CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
+                       const FootNoise& foot_noise) {
+  return ClipCleaner(clip, part, calibration, foot_noise).clean();
 }
 
 namespace {
@@ -312,28 +354,38 @@ std::vector<std::string> bridge_position_spikes(Clip& clip) {
   return found;
 }
 
-std::string clean_positions(Clip& clip) {
-  constexpr double kStep = 0.003;   // Share of the body's extent.
-  constexpr double kSlowest = 2.0;  // Hz
+PositionJitter clean_positions(Clip& clip) {
+  constexpr double kStep = 0.003;       // Share of the body's extent.
+  constexpr double kSlowest = 2.0;      // Hz
+  constexpr double kUsualExtent = 1.7;  // Metres, of a body with legs of kUsualSourceLeg.
   if (!has_positions_only(clip)) return {};
   std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);
   const double extent = body_extent(tracks), frame_time = clip.rate().frame_time();
   std::vector<double> steps;
   std::vector<TrackNoise> noises;
   for (const auto& track : tracks) {
-    noises.push_back(measure_noise(track, frame_time));
+    noises.push_back(measure_noise(track));
     if (noises.back().exceeds(kStep * extent)) steps.push_back(noises.back().step);
   }
   if (2 * steps.size() < tracks.size()) return {};
+  std::vector<double> speeds, wanders;
   for (std::size_t joint = 0; joint < tracks.size(); ++joint) {
     if (!noises[joint].may_exceed(0.0)) continue;
-    const double cutoff = cutoff_for(noises[joint], frame_time, kSlowest);
-    tracks[joint] = smoothed(tracks[joint], cutoff, frame_time);
+    // Estimates from video also have slow errors, which faster ones may hide.
+    const NoisePower power = NoisePower::of(noises[joint], false);
+    const auto cutoff = best_cutoff(tracks[joint], power, frame_time, kSlowest);
+    const double strength = cutoff ? smoothing_strength(*cutoff, frame_time) : 0.0;
+    if (cutoff) tracks[joint] = smoothed(tracks[joint], strength);
+    const NoiseRest rest = rest_of(power, strength, frame_time);
+    speeds.push_back(rest.speed);
+    wanders.push_back(rest.wander);
   }
-  if (!remake(clip, tracks)) return {};
-  return fmt::format("jitter of {} % of the body size per frame (median of {} of {}) smoothed",
-                     number_text(100.0 * median(steps) / extent, 1), steps.size(),
-                     count_text(tracks.size(), "joint"));
+  if (speeds.empty() || !remake(clip, tracks)) return {};
+  const double metres = kUsualExtent / extent;
+  return {fmt::format("jitter of {} % of the body size per frame (median of {} of {}) smoothed",
+                      number_text(100.0 * median(steps) / extent, 1), steps.size(),
+                      count_text(tracks.size(), "joint")),
+          {metres * median(speeds), metres * median(wanders)}};
 }
 
 }  // namespace retarget

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "human/gait/source_feet.h"
-#include "human/gait/track_faults.h"
+#include "human/gait/track_noise.h"
 #include "retarget/statistics.h"
 #include "retarget/text.h"
 
@@ -66,7 +66,7 @@ class JitterSearch {
   JitterSearch(const Clip& clip, FrameRange part, const Calibration& calibration)
       : clip_(clip), part_(part), calibration_(calibration) {
     for (const int joint : joints_of(kMappedBones)) {
-      noises_[joint] = measure_noise(rotation_track(clip, part, joint), clip.rate().frame_time());
+      noises_[joint] = measure_noise(rotation_track(clip, part, joint));
     }
   }
 
@@ -75,15 +75,14 @@ class JitterSearch {
     constexpr int kFewest = 5;  // Joints.
     JointJitter found;
     int moving = 0;
-    for (const auto& [joint, noise] : noises_) {
-      moving += noise.moves ? 1 : 0;
-      if (noise.exceeds(kLargeStep)) found.steps.push_back(noise.step);
-    }
+    const std::vector<TrackNoise> jittery = certain_noises();
+    for (const auto& [joint, noise] : noises_) moving += noise.moves ? 1 : 0;
+    for (const TrackNoise& noise : jittery) found.steps.push_back(noise.step);
+    found.white = has_white_noise(jittery);
     if (moving < kFewest || 2 * static_cast<int>(found.steps.size()) < moving) return {};
     found.joints.resize(static_cast<std::size_t>(clip_.skeleton().joint_count()));
     std::iota(found.joints.begin(), found.joints.end(), 0);
     found.of = fmt::format("{} of {}", found.steps.size(), count_text(moving, "joint"));
-    found.foot_steps = found.steps;
     return found;
   }
 
@@ -98,20 +97,25 @@ class JitterSearch {
     std::vector<std::string> names;
     std::set<int> joints;
     for (const JitterLimb* limb : limbs) {
-      const std::vector<double> steps = jitter_of(*limb);
-      found.steps.insert(found.steps.end(), steps.begin(), steps.end());
-      if (limb->moves_feet()) {
-        found.foot_steps.insert(found.foot_steps.end(), steps.begin(), steps.end());
-      }
+      for (const TrackNoise& noise : jitter_of(*limb)) found.steps.push_back(noise.step);
       names.emplace_back(limb->name);
       joints.merge(joints_of(limb->smoothed));
     }
+    found.white = has_white_noise(certain_noises());
     found.joints.assign(joints.begin(), joints.end());
     found.of = count_text(found.steps.size(), "joint") + " of " + list_names(names);
     return found;
   }
 
  private:
+  [[nodiscard]] std::vector<TrackNoise> certain_noises() const {
+    std::vector<TrackNoise> noises;
+    for (const auto& [joint, noise] : noises_) {
+      if (noise.exceeds(kLargeStep)) noises.push_back(noise);
+    }
+    return noises;
+  }
+
   // Noise in the hips and other limbs, but not in the legs, is probably noise of the whole body,
   // which fast legs hide. Smoothing the rest alone would move the feet.
   [[nodiscard]] static bool hides_noise_of_legs(const std::vector<const JitterLimb*>& limbs) {
@@ -125,7 +129,8 @@ class JitterSearch {
   [[nodiscard]] std::vector<const JitterLimb*> jittery_limbs(double least) {
     std::vector<const JitterLimb*> limbs;
     for (const JitterLimb& limb : kJitterLimbs) {
-      const std::vector<double> steps = jitter_of(limb);
+      std::vector<double> steps;
+      for (const TrackNoise& noise : jitter_of(limb)) steps.push_back(noise.step);
       if (steps.empty() || !(median(steps) > least)) continue;
       if (!limb.moves_feet() || shakes_feet(limb, median(steps))) limbs.push_back(&limb);
     }
@@ -142,24 +147,22 @@ class JitterSearch {
     return joints;
   }
 
-  // Steps of the joints with noise; empty if it is not certain. The worst joints must correlate
+  // Noise of the joints that have it; empty if it is not certain. The worst joints must correlate
   // like noise in the mean, because the movement of a fast knee or foot hides a part of that.
-  [[nodiscard]] std::vector<double> jitter_of(const JitterLimb& limb) const {
+  [[nodiscard]] std::vector<TrackNoise> jitter_of(const JitterLimb& limb) const {
     constexpr double kCorrelation = -0.25;
-    std::vector<std::pair<double, double>> noisy;  // Correlations and steps.
+    std::vector<TrackNoise> noisy;
     for (const int joint : joints_of(limb.judged)) {
       const TrackNoise& noise = noises_.at(joint);
-      if (noise.may_exceed(kLargeStep)) noisy.emplace_back(noise.correlation, noise.step);
+      if (noise.may_exceed(kLargeStep)) noisy.push_back(noise);
     }
     if (static_cast<int>(noisy.size()) < limb.fewest) return {};
-    std::ranges::sort(noisy);
+    std::ranges::sort(noisy, {}, &TrackNoise::correlation);
     double sum = 0.0;
-    for (int i = 0; i < limb.fewest; ++i) sum += noisy[static_cast<std::size_t>(i)].first;
+    for (int i = 0; i < limb.fewest; ++i) sum += noisy[static_cast<std::size_t>(i)].correlation;
     const bool certain = sum < kCorrelation * limb.fewest;
     if (!certain && !is_strong(limb)) return {};
-    std::vector<double> steps;
-    for (const auto& [correlation, step] : noisy) steps.push_back(step);
-    return steps;
+    return noisy;
   }
 
   // Fast movements in few frames look like noise, but in them feet stand between the steps. Noise

@@ -17,9 +17,8 @@ namespace retarget {
 struct JointJitter {
   std::vector<int> joints;    ///< The joints to smooth if they may have noise; empty: no jitter.
   std::vector<double> steps;  ///< Changes of the errors of the jittery joints, rad per frame.
-  std::vector<double> foot_steps;  ///< Those of the hips and the legs; all if half of the joints
-                                   ///< have noise. Empty: the noise does not move the feet.
-  std::string of;                  ///< Their part: `11 of 20 joints`, `3 joints of the left leg`.
+  bool white = false;         ///< Whether their errors are independent (has_white_noise).
+  std::string of;             ///< Their part: `11 of 20 joints`, `3 joints of the left leg`.
 };
 
 /// Measures whether a clip has noise: in half of all moving joints, else in the hips, in two joints

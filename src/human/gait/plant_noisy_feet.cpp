@@ -217,20 +217,23 @@ Vector3d with_height(const Vector3d& vector, double height) {
 class NoisyFootPlanter {
  public:
   NoisyFootPlanter(Clip& clip, FrameRange part, const Calibration& calibration, int moved,
-                   double noise_speed)
+                   double noise_speed, double noise_distance)
       : clip_(clip),
         part_(part),
         calibration_(calibration),
         moved_(moved),
-        noise_speed_(noise_speed) {}
+        noise_speed_(noise_speed),
+        noise_distance_(noise_distance) {}
 
   NoisyFeet run() {
+    constexpr double kErrors = 3.0;  // RMS errors.
     const auto legs = find_legs(clip_.skeleton(), calibration_);
     if (!legs[0] || !legs[1]) return {};
     read_feet();
     const bool whole =
         feet_.foot_count == 2 && feet_.has_toe[0] && feet_.has_toe[1] && feet_.frame_count() >= 3;
     if (!whole) return {};
+    reach_ = kErrors * noise_distance_ * feet_.leg_length() / kUsualSourceLeg;
     const NoisyStances stances = find_noisy_stances(feet_, noise_speed_);
     for (int foot = 0; foot < 2; ++foot) {
       for (const int end : {kHeelEnd, kToeEnd}) {
@@ -324,6 +327,7 @@ class NoisyFootPlanter {
     for (const HeldEnd& stance : stances) {
       for (int i = stance.begin; i < stance.end; ++i) {
         const auto at = static_cast<std::size_t>(i);
+        if ((stance.place - track[at]).norm() > reach_) continue;
         targets_[index][at] = stance.place - track[at];
         weights_[index][at] = kHeld;
       }
@@ -369,8 +373,14 @@ class NoisyFootPlanter {
     const LimbMover leg(clip_, calibration_, joints, side_bone(side, LimbBone::kLeg));
     for (int i = 0; i < feet_.frame_count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
-      place_foot(foot, i, offsets[0][at], offsets[1][at], leg);
+      place_foot(foot, i, within_reach(offsets[0][at]), within_reach(offsets[1][at]), leg);
     }
+  }
+
+  // Interpolation over a short swing between opposite corrections would overshoot.
+  [[nodiscard]] Vector3d within_reach(const Vector3d& offset) const {
+    const double length = offset.norm();
+    return length > reach_ ? Vector3d(offset * (reach_ / length)) : offset;
   }
 
   // Feet of an upright body are not below those that stand: otherwise noise would set the height of
@@ -381,7 +391,7 @@ class NoisyFootPlanter {
     if (!level || feet_.hips.empty()) return place;
     const double hips = feet_.hips[static_cast<std::size_t>(i)] - *level;
     if (hips > kHips * feet_.leg_length() / kUsualSourceLeg)
-      place.z() = std::max(place.z(), *level);
+      place.z() = std::max(place.z(), std::min(*level, place.z() + reach_));
     return place;
   }
 
@@ -414,7 +424,8 @@ class NoisyFootPlanter {
   FrameRange part_;
   const Calibration& calibration_;
   int moved_;
-  double noise_speed_;
+  double noise_speed_, noise_distance_;
+  double reach_ = 0.0;  // Metres that the noise explains.
   SourceFeet feet_;
   // Corrections in metres and their weights, by end and frame; weight 0: the end does not stand.
   std::array<Track, 4> targets_;
@@ -428,8 +439,8 @@ class NoisyFootPlanter {
 }  // namespace
 
 NoisyFeet plant_noisy_feet(Clip& clip, FrameRange part, const Calibration& calibration, int moved,
-                           double noise_speed) {
-  return NoisyFootPlanter(clip, part, calibration, moved, noise_speed).run();
+                           double noise_speed, double noise_distance) {
+  return NoisyFootPlanter(clip, part, calibration, moved, noise_speed, noise_distance).run();
 }
 
 int body_joint(const Skeleton& skeleton, const Calibration& calibration) {

@@ -23,14 +23,19 @@ constexpr int kLongestSpike = 3, kAroundSpike = 3;  // Frames.
 constexpr double kStepShare = 0.35;
 constexpr double kLongestSpikeFrame = 1.0 / 22.0;  // Seconds.
 
-// Whether the frames of a gap are a spike.
-// @param distance  returns the distance between two frames
-template <typename Distance>
-bool is_spike(FrameRange part, FrameRange gap, double least, const Distance& distance,
-              double step_share = kStepShare) {
+// Whether a track leaves its way in a gap. On its way it moves at the mean velocity across the gap,
+// because a swinging limb does not stand before and after a spike.
+// @param move  vector from one frame to another one
+template <typename Move>
+bool leaves_way(FrameRange part, FrameRange gap, double least, const Move& move,
+                double step_share = kStepShare) {
   const int before = gap.begin - 1, after = gap.end;
+  const Vector3d step = move(before, after) / (after - before);
+  const auto distance = [&](int from, int to) -> double {
+    return (move(from, to) - (to - from) * step).norm();
+  };
   const double jump = std::min(distance(before, gap.begin), distance(gap.end - 1, after));
-  if (!(jump > least) || distance(before, after) > step_share * jump) return false;
+  if (!(jump > least)) return false;
   double around = 0.0;
   for (int frame = std::max(part.begin, before - kAroundSpike); frame < before; ++frame) {
     around = std::max(around, distance(frame, frame + 1));
@@ -43,14 +48,15 @@ bool is_spike(FrameRange part, FrameRange gap, double least, const Distance& dis
 }
 
 // Calls bridge(gap) for each spike. @return number of frames of all spikes.
-template <typename Distance, typename Bridge>
-int bridge_spikes_of(FrameRange part, double least, const Distance& distance,
-                     const Bridge& bridge) {
+template <typename Move, typename Bridge>
+int bridge_spikes_of(FrameRange part, double least, const Move& move, const Bridge& bridge) {
+  // A track that hardly moves into a gap does not jump there: skips most frames.
+  constexpr double kHardly = 0.5;
   int count = 0;
   for (int begin = part.begin + 1; begin + 1 < part.end; ++begin) {
-    if (!(distance(begin - 1, begin) > least)) continue;
+    if (!(move(begin - 1, begin).norm() > kHardly * least)) continue;
     for (int end = begin + 1; end < part.end && end <= begin + kLongestSpike; ++end) {
-      if (!is_spike(part, {begin, end}, least, distance)) continue;
+      if (!leaves_way(part, {begin, end}, least, move)) continue;
       bridge(FrameRange{begin, end});
       count += end - begin;
       break;
@@ -66,7 +72,7 @@ int bridge_turns(Clip& clip, FrameRange part, std::size_t joint) {
   };
   return bridge_spikes_of(
       part, kLeastTurn,
-      [&](int a, int b) { return log_so3(rotation(a).conjugate() * rotation(b)).norm(); },
+      [&](int from, int to) { return log_so3(rotation(from).conjugate() * rotation(to)); },
       [&](FrameRange gap) { bridge_rotations(clip, joint, gap); });
 }
 
@@ -77,7 +83,7 @@ int bridge_moves(Clip& clip, FrameRange part, std::size_t slot, double metres_pe
   };
   return bridge_spikes_of(
       part, kLeastMove / metres_per_unit,
-      [&](int a, int b) { return (place(a) - place(b)).norm(); },
+      [&](int from, int to) -> Vector3d { return place(to) - place(from); },
       [&](FrameRange gap) { bridge_translations(clip, slot, gap); });
 }
 
@@ -103,15 +109,11 @@ namespace {
 
 using PointTrack = std::vector<Vector3d>;
 
-// Whether a point leaves its way in a gap. On its way it moves at the mean velocity across the gap,
-// because a swinging foot does not stand before and after a spike.
 bool leaves_way(const PointTrack& track, FrameRange gap, double least, double step_share) {
-  const auto at = [&](int frame) -> const Vector3d& {
-    return track[static_cast<std::size_t>(frame)];
+  const auto move = [&](int from, int to) -> Vector3d {
+    return track[static_cast<std::size_t>(to)] - track[static_cast<std::size_t>(from)];
   };
-  const Vector3d step = (at(gap.end) - at(gap.begin - 1)) / (gap.end - gap.begin + 1);
-  const auto distance = [&](int a, int b) { return (at(b) - at(a) - (b - a) * step).norm(); };
-  return is_spike({0, static_cast<int>(track.size())}, gap, least, distance, step_share);
+  return leaves_way({0, static_cast<int>(track.size())}, gap, least, move, step_share);
 }
 
 std::vector<FrameRange> spikes_of(const PointTrack& track, double least) {
