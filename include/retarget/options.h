@@ -157,7 +157,7 @@ struct FitOptions {
   double foot_height_far = 40.0;   ///< Weight of the clearance of a foot `foot_height_range` above
                                    ///< the floor, per metre.
   double foot_height_range = 0.12;  ///< Metres.
-  double foot_height_below = 2.0;   ///< Factor for these weights while a foot is below its
+  double foot_height_below = 1.8;   ///< Factor for these weights while a foot is below its
                                     ///< clearance.
 
   /// Weight of the distance from heel or toe to its anchor, per metre.

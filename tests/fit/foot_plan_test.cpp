@@ -73,6 +73,19 @@ TEST(FootPlan, SlowlyRisingHeelLeavesTheFloor) {
   EXPECT_EQ(plan.ends_of(75)[kToeEnd].lift, 0.0);
 }
 
+TEST(FootPlan, FootThatIsWhollyHigherStaysOnItsSurface) {
+  // Stands three centimetres higher after a step, as on a mat.
+  const SourceFeet feet = make_feet(8.0, 30.0, [](double t) {
+    FootPlace place = step(t);
+    if (t > 1.3) place.height = std::max(place.height, 0.03);
+    return place;
+  });
+  const FootPlan plan = plan_of(feet);
+  for (const int end : {kHeelEnd, kToeEnd}) {
+    EXPECT_EQ(plan.ends_of(150)[static_cast<std::size_t>(end)].lift, 0.0);
+  }
+}
+
 TEST(FootPlan, SlightlyRaisedHeelStaysOnTheFloor) {
   EXPECT_EQ(plan_of(on_tiptoe(0.008)).ends_of(75)[kHeelEnd].lift, 0.0);
   const double lift = plan_of(on_tiptoe(0.015)).ends_of(75)[kHeelEnd].lift;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <random>
@@ -15,6 +17,7 @@
 #include "scene/scene_world.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/frame_terms.h"
+#include "solve/fit/shorthand.h"
 
 namespace retarget {
 namespace {
@@ -107,6 +110,69 @@ class FrameTermsTest : public FitModelTest {
   std::optional<FitScene> scene_;
   TermCosts costs_{};
 };
+
+TEST(RotationTerm, WeightsTwistAndDirectionSeparately) {
+  FitTask task;
+  task.rotation_weight = 14.0;
+  task.twist_weight = 6.0;
+  task.twist_axis = Vector3d(0.6, 0.0, 0.8);
+  const TaskTarget target{Vector3d::Zero(), exp_so3(Vector3d(0.3, -0.2, 0.5))};
+  const auto cost_of_turn = [&](const Vector3d& in_link) {
+    const Pose world{target.world_from_link * exp_so3(in_link), Vector3d::Zero()};
+    return rotation_term(task, {}, world, target).cost;
+  };
+  EXPECT_NEAR(cost_of_turn(0.2 * task.twist_axis), square(6.0 * 0.2), 1e-9);
+  EXPECT_NEAR(cost_of_turn(0.2 * Vector3d::UnitY()), square(14.0 * 0.2), 1e-9);
+}
+
+TEST(RotationTerm, GradientIsExactAndHessianPositiveForLargeErrors) {
+  FitTask task;
+  task.rotation_weight = 35.0;
+  task.twist_weight = 6.0;
+  task.twist_axis = Vector3d::UnitX();
+  const TaskTarget target;
+  constexpr double kStep = 1e-6;
+  for (const double angle : {0.1, 0.5, 1.0, 2.0, 2.5}) {
+    for (const Vector3d& about : {Vector3d(0.0, 1.0, 0.0), Vector3d(0.48, 0.6, 0.64)}) {
+      const auto term_at = [&](const Vector3d& moved) {
+        const Pose world{exp_so3(moved) * exp_so3(angle * about), Vector3d::Zero()};
+        return rotation_term(task, {}, world, target);
+      };
+      const RotationTerm term = term_at(Vector3d::Zero());
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vector3d step = kStep * Vector3d::Unit(axis);
+        const double rate = 0.25 * (term_at(step).cost - term_at(-step).cost) / kStep;
+        // The series of the derivative is accurate to the sixth order.
+        EXPECT_NEAR(term.gradient[axis], rate,
+                    0.02 * square(35.0) * std::pow(angle / 2.5, 7.0) + 1e-3)
+            << angle;
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(term.hessian);
+      EXPECT_GE(solver.eigenvalues()[0], square(6.0) - 1e-9) << angle;
+    }
+  }
+}
+
+TEST_F(FrameTermsTest, FeetBelowTheirClearanceHaveALargerWeight) {
+  FitOptions options;
+  options.tracking = options.floor = options.contact = options.self_collision = false;
+  use(options);
+  const auto qpos = random_configuration(0.2, 0.75);
+  set_goals(qpos, 0.0);
+  const auto cost_with_feet_at = [&](double clearance) {
+    for (FootEndGoal& end : ends_) end = {clearance, 1.0};
+    assemble(qpos);
+    return costs_[kTermFootHeight];
+  };
+  options.foot_height_far = options.foot_height_near;
+  use(options);
+  // With clearances far above and below all feet, the costs are those of two quadratic functions.
+  const double above =
+      cost_with_feet_at(-10.0) - 2.0 * cost_with_feet_at(-9.0) + cost_with_feet_at(-8.0);
+  const double below =
+      cost_with_feet_at(10.0) - 2.0 * cost_with_feet_at(9.0) + cost_with_feet_at(8.0);
+  EXPECT_NEAR(below / above, square(options.foot_height_below), 1e-6);
+}
 
 TEST_F(FrameTermsTest, GradientMatchesTheCost) {
   FitOptions options;

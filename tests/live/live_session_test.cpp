@@ -249,6 +249,21 @@ TEST(LiveLag, ShortLagsDoNotOscillate) {
     EXPECT_LT(figure(early, "acc_rms"), 1.6 * figure(late, "acc_rms")) << lag;
     EXPECT_LT(figure(early, "limb_angle_deg"), figure(late, "limb_angle_deg") + 1.0) << lag;
   }
+  // A window of one frame at a low rate is as long as two frames at 50.
+  LiveSession slow = session_of(plan, with_lag(25.0, 0.0));
+  LiveSession slow_late = session_of(plan, with_lag(25.0, 0.2));
+  const auto acceleration = [&](LiveSession& session) {
+    const auto frames = streamed(session, human);
+    double sum = 0.0;
+    for (std::size_t i = 2; i < frames.size(); ++i) {
+      for (std::size_t j = 7; j < frames[i].size(); ++j) {
+        const double change = frames[i][j] - 2.0 * frames[i - 1][j] + frames[i - 2][j];
+        sum += change * change;
+      }
+    }
+    return std::sqrt(sum / static_cast<double>(frames.size()));
+  };
+  EXPECT_LT(acceleration(slow), 1.6 * acceleration(slow_late));
 }
 
 TEST(Live, RejectsImpossibleOptions) {

@@ -85,12 +85,16 @@ Result<void> check_human_of_robot(const HumanOptions& options) {
 
 FitOptions fit_of_robot_motions(FitOptions fit) {
   TrackingWeights& weights = fit.weights;
-  for (double* weight :
-       {&weights.hips_rotation, &weights.torso_rotation, &weights.thigh_rotation,
-        &weights.shank_rotation, &weights.foot_rotation, &weights.upper_arm_rotation,
-        &weights.forearm_rotation, &weights.hand_rotation, &weights.other_rotation}) {
+  for (double* weight : {&weights.hips_rotation, &weights.torso_rotation, &weights.foot_rotation,
+                         &weights.upper_arm_rotation, &weights.forearm_rotation,
+                         &weights.hand_rotation, &weights.other_rotation}) {
     *weight *= 2.5;
   }
+  // A robot's legs can follow the twist of another robot's legs.
+  weights.thigh_rotation *= 20.0 / 14.0;
+  weights.thigh_twist = weights.thigh_rotation;
+  weights.shank_rotation *= 20.0 / 13.0;
+  weights.shank_twist = weights.shank_rotation;
   for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
     *weight *= 1.5;
   }

@@ -353,7 +353,9 @@ void FitDynamics::add_feet(int t, const FitClip& clip, double height, double spe
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
     for (std::size_t e = 0; e < foot.ends.size(); ++e) {
-      const bool planned = goals[2 * f + e].phase >= 0;
+      // An end that rises may have left the floor.
+      const FootEndGoal& goal = goals[2 * f + e];
+      const bool planned = goal.phase >= 0 && goal.lift == 0.0;
       for (std::size_t i = 0; i < foot.ends[e].points.size(); ++i) {
         const SupportPoint point{foot.link, foot.ends[e].points[i], 0.0, true};
         if (!planned && !touches(point, height, speed)) continue;

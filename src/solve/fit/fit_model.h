@@ -38,6 +38,10 @@ struct FitTask {
   int foot = -1;     ///< Index into FitModel::feet if the body
                      ///< is a foot; else -1.
   std::string body;  ///< Name of the body.
+
+  [[nodiscard]] bool follows_rotation() const {
+    return rotation_weight > 0.0 || twist_weight > 0.0;
+  }
 };
 
 /// Target position of a task's body (world frame, metres) and target rotation of its link.

@@ -68,19 +68,20 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   }
 }
 
-// Lets an end of a foot rise while the other one stays planted, as in a squat or on tiptoe. A slow
-// end stays in contact up to a height of several centimetres, and its anchor still holds it.
+// Lets an end of a foot rise while the other one stays down, as in a squat or on tiptoe. A slow end
+// stays in contact up to a height of several centimetres, and its anchor still holds it.
 void lift_ends(double scale, FootPlan& plan) {
-  // Heights above the standing height at which the clearance begins to replace the contact, and
-  // replaces it in full; metres
-  // for legs of 0.85 m.
+  // Heights above the other end, relative to standing, at which the clearance begins to replace the
+  // contact and replaces it in full; metres, for legs of 0.85 m.
   constexpr double kBegin = 0.01, kFull = 0.02;
   for (std::size_t i = 0; i + 1 < plan.ends.size(); i += 2) {
     FootEndGoal &heel = plan.ends[i], &toe = plan.ends[i + 1];
     if (heel.phase < 0 || toe.phase < 0 || !heel.level || !toe.level) continue;
     const auto rise = [](const FootEndGoal& end) { return end.clearance - end.support; };
-    FootEndGoal& high = rise(heel) > rise(toe) ? heel : toe;
-    high.lift = std::clamp((rise(high) / scale - kBegin) / (kFull - kBegin), 0.0, 1.0);
+    const bool heel_rises = rise(heel) > rise(toe);
+    FootEndGoal& high = heel_rises ? heel : toe;
+    const double over = rise(high) - std::max(0.0, rise(heel_rises ? toe : heel));
+    high.lift = std::clamp((over / scale - kBegin) / (kFull - kBegin), 0.0, 1.0);
   }
 }
 

@@ -55,7 +55,7 @@ Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target) {
 RotationTerm rotation_term(const FitTask& task, const FrameGoals& goals,
                            const Pose& world_from_link, const TaskTarget& target) {
   constexpr double kLyingShare = 0.25;
-  if (task.rotation_weight <= 0.0) return {};
+  if (!task.follows_rotation()) return {};
   const bool may_lie = task.foot >= 0 && !goals.lying.empty();
   const double lying = may_lie ? goals.lying[at(task.foot)] : 0.0;
   const double share = 1.0 - (1.0 - kLyingShare) * lying;
@@ -73,7 +73,8 @@ RotationTerm rotation_term(const FitTask& task, const FrameGoals& goals,
   const Vector3d rate = axis + 0.5 * cross + second * error.cross(cross);
   term.cost += more * square(twist);
   term.gradient += (more * twist) * rate;
-  term.hessian += (more * rate) * rate.transpose();
+  // The rate grows beyond 1 with the error; the matrix must stay positive.
+  term.hessian += (more / std::max(1.0, rate.squaredNorm()) * rate) * rate.transpose();
   return term;
 }
 
@@ -123,7 +124,7 @@ void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, Ter
         costs[kTermPosition] += weights[axis] * square(error[axis]);
       }
     }
-    if (task.rotation_weight > 0.0) {
+    if (task.follows_rotation()) {
       const RotationTerm term = rotation_term(task, goals, world, target);
       composites_[at(task.link)].angular += term.hessian;
       composites_[at(task.link)].torque += term.gradient;
@@ -143,8 +144,10 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   const Vector3d middle = place(end.middle), tip = place(end.tip);
   // A rolling foot stands on its tip, beyond the corners.
   const Vector3d& low = tip.z() < middle.z() ? tip : middle;
-  const bool level = options_.contact && goal.phase >= 0 && goal.level && goal.lift < 1.0;
-  const double down = level ? 1.0 - goal.lift : 0.0;
+  const bool has_clearance = options_.foot_height && goal.importance > 0.0;
+  const double lift = has_clearance ? goal.lift : 0.0;
+  const bool level = options_.contact && goal.phase >= 0 && goal.level && lift < 1.0;
+  const double down = level ? 1.0 - lift : 0.0;
   const int held_by = goal.phase >= 0 ? goal.phase : goal.near_phase;
   if (options_.contact && held_by >= 0) {
     const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(held_by)] - goal.slide;
@@ -176,7 +179,7 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
     add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
   }
-  if (down < 1.0 && options_.foot_height && goal.importance > 0.0) {
+  if (down < 1.0 && has_clearance) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
     const double near = options_.foot_height_near;

@@ -105,7 +105,8 @@ bool ArmStraightener::release_trunk(WindowTrial& trial) {
     without_arm_ = model_;
     for (const std::size_t k : arm_.tasks) {
       FitTask& task = without_arm_->tasks[k];
-      task.horizontal_weight = task.height_weight = task.rotation_weight = 0.0;
+      task.horizontal_weight = task.height_weight = 0.0;
+      task.rotation_weight = task.twist_weight = 0.0;
     }
   }
   FitOptions few = options_;

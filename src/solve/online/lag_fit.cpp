@@ -86,16 +86,19 @@ namespace {
 
 constexpr double kKeptTime = 6.0;  // Time of sent frames that contact detection uses, seconds.
 constexpr int kMostAtATime = 50;   // Longest window that takes steps in every frame, frames.
-// Length from which a window determines the motion of its newest frames, seconds.
+// Time of later frames from which they determine how the motion of a frame goes on, seconds.
+constexpr double kEnoughLater = 0.02;
+// Length from which a window has the smoothness of a clip, seconds.
 constexpr double kFullWindow = 0.04;
 
-// The options for a window of the given length. Without later frames, a cost on changes of
-// acceleration continues every swing of a limb, so that it oscillates at its speed limit; a cost on
-// accelerations makes limbs lag and overshoot. A short window has less of both.
-FitOptions options_of_window(FitOptions options, double seconds) {
-  if (seconds > 0.999 * kFullWindow) return options;
+// The options for a window of a frame and `later` following ones. Without enough later frames, a
+// cost on changes of acceleration continues every swing of a limb, so that it oscillates at its
+// speed limit; a cost on accelerations makes limbs lag and overshoot.
+FitOptions options_of_window(FitOptions options, int later, double frame_time) {
+  constexpr double kRounding = 0.999;
+  if (later * frame_time > kRounding * kEnoughLater) return options;
   options.limb_smoothing_time = 0.0;
-  options.smoothing_time *= seconds / kFullWindow;
+  options.smoothing_time *= std::min(1.0, (later + 1) * frame_time / kFullWindow);
   return options;
 }
 
@@ -109,7 +112,7 @@ void erase_first(std::vector<Value>& values, std::size_t count) {
 LagFit::LagFit(const OnlineTargets& stage, double frame_time, int lag_frames)
     : stage_(stage),
       model_(stage.model()),
-      options_(options_of_window(stage.options(), (lag_frames + 1) * frame_time)),
+      options_(options_of_window(stage.options(), lag_frames, frame_time)),
       lag_frames_(lag_frames),
       kept_frames_(
           std::max(static_cast<int>(kKeptTime / frame_time), smoothing_context(frame_time) + 1)),
