@@ -57,7 +57,8 @@ struct StagesCase {
   void plan() {
     std::vector<int> source_feet;
     for (const FitFoot& foot : model.feet) source_feet.push_back(foot.left ? 0 : 1);
-    plan_feet(feet, find_contacts(feet, contact_options(options)), source_feet, 0.75, clip.feet);
+    plan_feet(feet, find_contacts(feet, contact_options(options)), contact_options(options),
+              source_feet, 0.75, clip.feet);
   }
 
   void start() {

@@ -49,7 +49,8 @@ FootPlace step(double t) {
 
 FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
   FootPlan plan;
-  plan_feet(feet, find_contacts(feet, contact_options({})), std::array{0}, scale, plan);
+  const ContactOptions options = contact_options({});
+  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, scale, plan);
   return plan;
 }
 
@@ -492,7 +493,8 @@ TEST(FootPlan, AFootOnABoxBesideOneOnTheFloorIsNotRaised) {
     both.feet.push_back(feet.feet.front());
   }
   FootPlan plan;
-  plan_feet(both, find_contacts(both, contact_options({})), std::array{0, 1}, 1.0, plan);
+  const ContactOptions options = contact_options({});
+  plan_feet(both, find_contacts(both, options), options, std::array{0, 1}, 1.0, plan);
   EXPECT_EQ(raised_frames(plan, both.frame_count()).count, 0);
 }
 

@@ -70,10 +70,11 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
 
 // Lets an end of a foot rise while the other one stays down, as in a squat or on tiptoe. A slow end
 // stays in contact up to a height of several centimetres, and its anchor still holds it.
-void lift_ends(double scale, FootPlan& plan) {
+// @param begin_height  that of the contacts, metres for legs of 0.85 m. It grows with the noise.
+void lift_ends(double begin_height, double scale, FootPlan& plan) {
   // Heights above the other end, relative to standing, at which the clearance begins to replace the
-  // contact and replaces it in full; metres, for legs of 0.85 m.
-  constexpr double kBegin = 0.01, kFull = 0.02;
+  // contact and replaces it in full.
+  const double begin = begin_height - 0.03, full = begin + 0.01;
   for (std::size_t i = 0; i + 1 < plan.ends.size(); i += 2) {
     FootEndGoal &heel = plan.ends[i], &toe = plan.ends[i + 1];
     if (heel.phase < 0 || toe.phase < 0 || !heel.level || !toe.level) continue;
@@ -81,7 +82,7 @@ void lift_ends(double scale, FootPlan& plan) {
     const bool heel_rises = rise(heel) > rise(toe);
     FootEndGoal& high = heel_rises ? heel : toe;
     const double over = rise(high) - std::max(0.0, rise(heel_rises ? toe : heel));
-    high.lift = std::clamp((over / scale - kBegin) / (kFull - kBegin), 0.0, 1.0);
+    high.lift = std::clamp((over / scale - begin) / (full - begin), 0.0, 1.0);
   }
 }
 
@@ -223,7 +224,7 @@ ContactOptions contact_options(const FitOptions& options) {
           .support_drift = options.support_drift};
 }
 
-void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+void plan_feet(const SourceFeet& source, const ContactPlan& contacts, const ContactOptions& options,
                std::span<const int> source_feet, double scale, FootPlan& plan) {
   plan.foot_count = static_cast<int>(source_feet.size());
   plan.support_count = 0;
@@ -264,7 +265,7 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
       }
     }
   }
-  lift_ends(scale * contacts.scale, plan);
+  lift_ends(options.begin_height, scale * contacts.scale, plan);
   if (plan.foot_count > 0) stress_flights(source, plan);
 }
 
