@@ -15,8 +15,10 @@
 #include "formats/bvh/read_bvh.h"
 #include "formats/smpl/joint_motion.h"
 #include "human/gait/contact_plan.h"
+#include "human/gait/joint_jitter.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/track_faults.h"
+#include "human/gait/track_noise.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
 #include "retarget/so3.h"
@@ -159,6 +161,28 @@ Clip with_white_noise(const Clip& clip, double degrees) {
   return noisy;
 }
 
+// Speed of feet, m/s, that the best smoothing leaves of independent errors of this RMS angle about
+// each axis, degrees: of the noisier foot, at the end of a leg of 0.85 m. Two axes of the hips and
+// of the hip joint move it, and half of those of the knee.
+double foot_speed_of_white_noise(const Clip& noisy, double degrees) {
+  const double sigma = degrees * std::numbers::pi / 180.0, time = noisy.rate().frame_time();
+  const NoisePower power{3.0 * sigma * sigma, 0.0};
+  const auto square_of = [&](const std::string& name) {
+    const auto track =
+        rotation_track(noisy, {0, noisy.frame_count()}, noisy.skeleton().find(name).value());
+    const auto cutoff = best_cutoff(track, power, time, 1.5);
+    const double speed =
+        rest_of(power, cutoff ? smoothing_strength(*cutoff, time) : 0.0, time).speed;
+    return 2.0 / 3.0 * speed * speed;
+  };
+  double most = 0.0;
+  for (const std::string side : {"Left", "Right"}) {
+    most = std::max(most,
+                    square_of("Hips") + square_of(side + "UpLeg") + 0.25 * square_of(side + "Leg"));
+  }
+  return 0.85 * std::sqrt(most);
+}
+
 TEST(CleanClip, SmoothsJointJitter) {
   const Clip clip = recorded_clip("wave");
   const Clip jittery = with_white_noise(clip, 1.7);
@@ -166,7 +190,9 @@ TEST(CleanClip, SmoothsJointJitter) {
   const CleanReport report = clean(noisy);
   ASSERT_FALSE(report.notes.empty());
   EXPECT_THAT(report.notes.front(), HasSubstr("jitter of"));
-  EXPECT_GT(report.foot_noise.speed, 0.01);
+  const double speed = foot_speed_of_white_noise(jittery, 1.7);
+  EXPECT_GT(report.foot_noise.speed, speed / 1.3);
+  EXPECT_LT(report.foot_noise.speed, 1.3 * speed);
   EXPECT_LT(mean_angle(clip, noisy), 0.6 * mean_angle(clip, jittery));
 }
 
@@ -186,6 +212,9 @@ TEST(CleanClip, OnlySmoothsWhiteNoise) {
       const double unsmoothed =
           0.85 * std::sqrt(2.0 * 2.25) * std::sqrt(2.0) * 15.0 * degrees * std::numbers::pi / 180.0;
       EXPECT_LT(report.foot_noise.speed, 0.8 * unsmoothed) << name << degrees;
+      const double smoothed = foot_speed_of_white_noise(jittery, degrees);
+      EXPECT_GT(report.foot_noise.speed, smoothed / 1.5) << name << degrees;
+      EXPECT_LT(report.foot_noise.speed, 1.5 * smoothed) << name << degrees;
     }
   }
 }
@@ -277,6 +306,24 @@ TEST(CleanClip, SmoothsOneNoisyLeg) {
       EXPECT_EQ(noisy.rotations(frame)[joint].coeffs(), clip.rotations(frame)[joint].coeffs());
     }
   }
+}
+
+// Independent errors of the hands and the head do not determine those of a leg.
+TEST(CleanClip, OtherJointsDoNotDecideTheKindOfNoiseOfALimb) {
+  const Clip clip = recorded_clip("walk");
+  const Clip white = with_white_noise(clip, 2.0);
+  Clip noisy = clip;
+  add_slow_noise(noisy, 4.0, {"LeftUpLeg", "LeftLeg", "LeftFoot"});
+  for (const char* name : {"RightHand", "LeftHand", "Head"}) {
+    const auto joint = static_cast<std::size_t>(clip.skeleton().find(name).value());
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      noisy.rotations(frame)[joint] = white.rotations(frame)[joint];
+    }
+  }
+  const CleanReport report = clean(noisy);
+  ASSERT_FALSE(report.notes.empty());
+  EXPECT_THAT(report.notes.front(), HasSubstr("median of 3 joints of the left leg) smoothed"));
+  EXPECT_GT(report.foot_noise.wander, 0.0);
 }
 
 // At double speed, the legs of the walk look noisy, but the feet stand between the steps.

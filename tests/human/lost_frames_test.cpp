@@ -339,6 +339,23 @@ TEST(Spikes, OfMovingJointsAreInterpolated) {
   }
 }
 
+// The joint turns by more than 30 degrees per frame, so it hardly turns into the gap.
+TEST(Spikes, AgainstFastMovementsAreInterpolated) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    clip.rotations(frame)[1] = exp_so3(Vector3d(0.6 * frame, 0.0, 0.0));
+  }
+  for (const int begin : {1, 2, 20}) {
+    Clip spiky = clip;
+    spiky.rotations(begin)[1] = clip.rotations(begin - 1)[1] * exp_so3(Vector3d(-0.05, 0.0, 0.0));
+    EXPECT_THAT(bridge_spikes(spiky, kWhole, 1.0), ElementsAre("joint1 jumped away in 1 frame"));
+    EXPECT_LT(std::as_const(spiky).rotations(begin)[1].angularDistance(
+                  std::as_const(clip).rotations(begin)[1]),
+              1e-6)
+        << begin;
+  }
+}
+
 TEST(Spikes, FastMovementsAndCutsAreNone) {
   const Clip clip = bending_chain();
   Clip fast = clip;

@@ -195,6 +195,46 @@ TEST(TrackNoise, IsWhiteIfErrorsAreIndependent) {
   EXPECT_NEAR(std::sqrt(power.white), std::sqrt(3.0) * kDegree, 0.15 * kDegree);
 }
 
+// Tracks of random errors about three axes.
+std::vector<TrackNoise> noises_of_errors(std::mt19937& random, int tracks, int frames,
+                                         bool accumulate) {
+  std::vector<TrackNoise> noises;
+  for (int track = 0; track < tracks; ++track) {
+    std::vector<Vector3d> places;
+    Vector3d last = Vector3d::Zero();
+    for (int frame = 0; frame < frames; ++frame) {
+      Vector3d error;
+      // Sums of uniform numbers are equal in every standard library.
+      for (double& number : error) {
+        number = -6.0;
+        for (int i = 0; i < 12; ++i) number += static_cast<double>(random()) / 4294967296.0;
+      }
+      if (accumulate) error += last;
+      last = error;
+      places.push_back(error);
+    }
+    noises.push_back(measure_noise(places));
+  }
+  return noises;
+}
+
+TEST(TrackNoise, AccumulatedErrorsAreNotWhiteInShortClips) {
+  constexpr int kClips = 100;
+  std::mt19937 random(3);
+  for (const int tracks : {3, 20}) {
+    for (const int frames : {30, 45, 60, 90, 300}) {
+      int wrong = 0, right = 0;
+      for (int clip = 0; clip < kClips; ++clip) {
+        wrong += has_white_noise(noises_of_errors(random, tracks, frames, true)) ? 1 : 0;
+        right += has_white_noise(noises_of_errors(random, tracks, frames, false)) ? 1 : 0;
+      }
+      EXPECT_LE(wrong, 4) << tracks << ' ' << frames;
+      // If in doubt, errors accumulate.
+      EXPECT_GE(right, tracks < 20 ? 60 : 98) << tracks << ' ' << frames;
+    }
+  }
+}
+
 // The best filter is not worse than none, whatever the movement and the noise.
 TEST(TrackNoise, SmoothingNeverHarmsTracksWithWhiteNoise) {
   for (const double hertz : {0.5, 1.0, 2.0}) {

@@ -186,20 +186,29 @@ TEST(FrontDoor, LowersWeightsOfBodyContactsForNoisySources) {
   const auto robot = g1();
   ASSERT_TRUE(robot) << describe(robot.error());
   const Clip clip = load_clip(sample("wave")).value();
-  Clip noisy = clip;
-  std::mt19937 random(1);
-  std::normal_distribution<double> angle(0.0, 0.05);
-  for (int frame = 0; frame < noisy.frame_count(); ++frame) {
-    for (Eigen::Quaterniond& rotation : noisy.rotations(frame)) {
-      rotation = rotation * exp_so3({angle(random), angle(random), angle(random)});
+  const auto with_noise = [&](double radians) {
+    Clip noisy = clip;
+    std::mt19937 random(1);
+    std::normal_distribution<double> angle(0.0, radians);
+    for (int frame = 0; frame < noisy.frame_count(); ++frame) {
+      for (Eigen::Quaterniond& rotation : noisy.rotations(frame)) {
+        rotation = rotation * exp_so3({angle(random), angle(random), angle(random)});
+      }
     }
-  }
+    return noisy;
+  };
+  const Clip noisy = with_noise(0.05);
   const double usual = make_plan(clip, *robot, Options()).value().fit.body_contact_weight;
   EXPECT_EQ(usual, FitOptions().body_contact_weight);
   const FitOptions lowered = make_plan(noisy, *robot, Options()).value().fit;
   EXPECT_LT(lowered.body_contact_weight, 0.8 * usual);
   EXPECT_GT(lowered.body_contact_weight, 0.6 * usual);
   EXPECT_EQ(lowered.contact_weight, FitOptions().contact_weight);
+  // Less noise lowers them less.
+  const double slightly =
+      make_plan(with_noise(0.03), *robot, Options()).value().fit.body_contact_weight;
+  EXPECT_LT(slightly, 0.95 * usual);
+  EXPECT_GT(slightly, 1.05 * lowered.body_contact_weight);
   Options unchanged;
   unchanged.human.clean = CleanRule::kOff;
   EXPECT_EQ(make_plan(noisy, *robot, unchanged).value().fit.body_contact_weight, usual);

@@ -165,6 +165,13 @@ TEST(MissingSurfaces, IncludeFlightsBetweenThem) {
   EXPECT_EQ(missing_under_toe({}), 0.0);
 }
 
+// A toe that moves slowly in a jump looks like a contact.
+TEST(MissingSurfaces, OfFewKnownFramesCountLittle) {
+  EXPECT_NEAR(missing_under_toe({{40, 42, 0.3}, {80, 82, 0.0}}), 8.0, 1e-9);
+  EXPECT_NEAR(missing_under_toe({{40, 41, 0.3}}), 4.0, 1e-9);
+  EXPECT_NEAR(missing_under_toe({{40, 65, 0.3}}), 100.0, 1e-9);
+}
+
 // The faster the root rises, the fewer contacts of a runner's feet are found.
 TEST(MissingSurfaces, GrowWithTheHeightOfARun) {
   double before = 0.0;

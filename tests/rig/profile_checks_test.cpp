@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/rig.h"
 #include "support/humanoids.h"
@@ -129,10 +130,11 @@ TEST_F(ProfileChecksTest, LimitSetsThatContradictTheModelAreNoted) {
                              {"close", {{"ranges", {{"left_knee", {-1, 3}}}}}}};
   });
   EXPECT_THAT(findings(true), IsEmpty());
-  EXPECT_THAT(findings(false), Contains(HasSubstr("limit set odd has no position in common with "
-                                                  "the model on 1 joints, most on left_knee")));
   EXPECT_THAT(findings(false),
-              Contains(HasSubstr("limit set wide is much wider than the model on 1 joints")));
+              Contains(HasSubstr("limit set odd has no position in common with "
+                                 "the model on 1 joint, most on left_knee (0.6 rad)")));
+  EXPECT_THAT(findings(false),
+              Contains(HasSubstr("limit set wide is much wider than the model on 1 joint,")));
   EXPECT_THAT(findings(false), Each(Not(HasSubstr("limit set close"))));
 }
 
@@ -145,6 +147,36 @@ TEST_F(ProfileChecksTest, PositionsOutsideTheRangesAreReported) {
               ElementsAre("variant \"stiff\" locks \"right_knee\" at 4, outside its range from 0 "
                           "to 2.4"));
   EXPECT_THAT(findings(false), Contains(HasSubstr("has \"left_knee\" at 3, outside its range")));
+}
+
+TEST_F(ProfileChecksTest, PositionsAreComparedWithTheNearestRange) {
+  edit([](Profile& profile) {
+    profile["limit_sets"] = {
+        {"wide", {{"ranges", {{"left_knee", {-1, 3}}, {"right_knee", {0, 2}}}}}}};
+    profile["variants"] = {{"bent", {{"locked", {{"left_knee", 2.9}}}}},
+                           {"stiff", {{"locked", {{"left_knee", 4}}}}},
+                           {"tight", {{"locked", {{"right_knee", 4}}}}}};
+  });
+  EXPECT_THAT(
+      findings(true),
+      ElementsAre("variant \"stiff\" locks \"left_knee\" at 4, outside its range from -1 to 3 in "
+                  "limit set wide",
+                  "variant \"tight\" locks \"right_knee\" at 4, outside its range from 0 to 2.4"));
+}
+
+TEST_F(ProfileChecksTest, DifferencesOfSlidesAreInMetres) {
+  const std::string file = (folder_.path() / "mine" / "model.xml").string();
+  std::string model(read_file(file, ErrorKind::kConfig).value().view());
+  const std::string hinge = "type=\"hinge\"";
+  const std::size_t type = model.find(hinge, model.find("<joint name=\"left_knee\""));
+  ASSERT_NE(type, std::string::npos);
+  folder_.write("mine/model.xml", model.replace(type, hinge.size(), "type=\"slide\""));
+  edit([](Profile& profile) {
+    profile["limit_sets"] = {{"odd", {{"ranges", {{"left_knee", {3, 4}}}}}}};
+  });
+  EXPECT_THAT(findings(false),
+              Contains(AllOf(HasSubstr("has no position in common with the model"),
+                             HasSubstr("on 1 joint, most on left_knee"), HasSubstr(" m)"))));
 }
 
 TEST_F(ProfileChecksTest, CouplingsOutsideOfHandsAreNoted) {

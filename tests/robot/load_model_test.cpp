@@ -227,15 +227,17 @@ TEST(LoadModelTest, LimitsJointsWithARangeOfASinglePosition) {
   const std::string link =
       "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" "
       "iyz=\"0\"/></inertial></link>";
-  const auto urdf = load_robot_files(
-      folder.write("robot.urdf",
-                   "<robot name=\"r\"><link name=\"a\">" + link + "<link name=\"b\">" + link +
-                       "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
-                       "<limit lower=\"0.3\" upper=\"0.3\"/></joint></robot>"),
-      {}, RobotBase::kFixed);
-  ASSERT_TRUE(urdf) << describe(urdf.error());
-  EXPECT_EQ((*urdf)->model_limits().upper[0], 0.3);
-  EXPECT_THAT((*urdf)->warnings(), IsEmpty());
+  for (const char* name : {"robot.urdf", "robot.xml"}) {
+    const auto urdf = load_robot_files(
+        folder.write(
+            name, "<robot name=\"r\"><link name=\"a\">" + link + "<link name=\"b\">" + link +
+                      "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
+                      "<limit lower=\"0.3\" upper=\"0.3\"/></joint></robot>"),
+        {}, RobotBase::kFixed);
+    ASSERT_TRUE(urdf) << describe(urdf.error());
+    EXPECT_EQ((*urdf)->model_limits().upper[0], 0.3) << name;
+    EXPECT_THAT((*urdf)->warnings(), IsEmpty()) << name;
+  }
 }
 
 TEST(LoadModelTest, RejectsReversedRanges) {

@@ -31,8 +31,8 @@ struct CleanReport {
 /// the joints or a limb have large noise (joint_jitter.h), smooth all noisy joints or those of the
 /// limb as strongly as their noise requires (best_cutoff); if that moves the feet, set varying
 /// bone lengths to their medians. If standing feet move, translate the whole body so that they do
-/// not (root_drift.h); the legs keep their poses, except where their errors accumulate: then the feet
-/// are held in their stances (plant_noisy_feet.h).
+/// not (root_drift.h); the legs keep their poses, except where their errors accumulate: then the
+/// feet are held in their stances (plant_noisy_feet.h).
 /// @param foot_noise  of the clip's positions (clean_positions)
 CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
                        const FootNoise& foot_noise = {});
@@ -42,14 +42,15 @@ CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibrati
 /// @return sentences: `LeftFoot jumped away in 3 frames`; empty if nothing changed
 std::vector<std::string> bridge_position_spikes(Clip& clip);
 
-/// Smooths the joints of a clip made from joint positions alone (ClipOrigin::unknown_rotations) if
-/// half of them have noise above 0.3 % of the body's size per frame. Then recomputes the rotations,
-/// because noisy positions make them spin about nearly straight limbs. Does not change other
-/// clips.
+/// Result of clean_positions().
 struct PositionJitter {
   std::string note;  ///< A sentence with numbers; empty if nothing changed.
   FootNoise foot_noise;
 };
+/// Smooths the joints of a clip made from joint positions alone (ClipOrigin::unknown_rotations) if
+/// half of them have noise above 0.3 % of the body's size per frame. Then recomputes the rotations,
+/// because noisy positions make them spin about nearly straight limbs. Does not change other
+/// clips.
 [[nodiscard]] PositionJitter clean_positions(Clip& clip);
 
 }  // namespace retarget

@@ -75,9 +75,13 @@ class JitterSearch {
     constexpr int kFewest = 5;  // Joints.
     JointJitter found;
     int moving = 0;
-    const std::vector<TrackNoise> jittery = certain_noises();
-    for (const auto& [joint, noise] : noises_) moving += noise.moves ? 1 : 0;
-    for (const TrackNoise& noise : jittery) found.steps.push_back(noise.step);
+    std::vector<TrackNoise> jittery;
+    for (const auto& [joint, noise] : noises_) {
+      moving += noise.moves ? 1 : 0;
+      if (!noise.exceeds(kLargeStep)) continue;
+      jittery.push_back(noise);
+      found.steps.push_back(noise.step);
+    }
     found.white = has_white_noise(jittery);
     if (moving < kFewest || 2 * static_cast<int>(found.steps.size()) < moving) return {};
     found.joints.resize(static_cast<std::size_t>(clip_.skeleton().joint_count()));
@@ -96,26 +100,22 @@ class JitterSearch {
     JointJitter found;
     std::vector<std::string> names;
     std::set<int> joints;
+    std::vector<TrackNoise> jittery;
     for (const JitterLimb* limb : limbs) {
-      for (const TrackNoise& noise : jitter_of(*limb)) found.steps.push_back(noise.step);
+      for (const TrackNoise& noise : jitter_of(*limb)) {
+        found.steps.push_back(noise.step);
+        if (noise.exceeds(kLargeStep)) jittery.push_back(noise);
+      }
       names.emplace_back(limb->name);
       joints.merge(joints_of(limb->smoothed));
     }
-    found.white = has_white_noise(certain_noises());
+    found.white = has_white_noise(jittery);
     found.joints.assign(joints.begin(), joints.end());
     found.of = count_text(found.steps.size(), "joint") + " of " + list_names(names);
     return found;
   }
 
  private:
-  [[nodiscard]] std::vector<TrackNoise> certain_noises() const {
-    std::vector<TrackNoise> noises;
-    for (const auto& [joint, noise] : noises_) {
-      if (noise.exceeds(kLargeStep)) noises.push_back(noise);
-    }
-    return noises;
-  }
-
   // Noise in the hips and other limbs, but not in the legs, is probably noise of the whole body,
   // which fast legs hide. Smoothing the rest alone would move the feet.
   [[nodiscard]] static bool hides_noise_of_legs(const std::vector<const JitterLimb*>& limbs) {

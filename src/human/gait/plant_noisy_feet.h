@@ -40,8 +40,8 @@ struct NoisyFeet {
 /// smoothly.
 /// @param moved        body_joint()
 /// @param noise_speed  of standing feet, m/s for a body with legs of kUsualSourceLeg
-/// @param noise_distance  RMS error of the feet, metres for that body. An end of a foot is held only
-///     where it is within three times that of its place: farther away it steps or rolls.
+/// @param noise_distance  RMS error of the feet, metres for that body. An end of a foot is held
+///     only where it is within three times that of its place: farther away it steps or rolls.
 NoisyFeet plant_noisy_feet(Clip& clip, FrameRange part, const Calibration& calibration, int moved,
                            double noise_speed, double noise_distance);
 

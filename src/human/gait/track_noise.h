@@ -16,6 +16,7 @@ struct TrackNoise {
   double sharp_correlation =
       0.0;  ///< Correlation of neighbouring differences of changes; at most -2/3 for noise.
   double step = 0.0;  ///< RMS change of the error per frame, rad or length.
+  int samples = 0;    ///< Number of neighbours in the correlations.
 
   /// Returns whether the track has certain noise of more than this per frame.
   [[nodiscard]] bool exceeds(double step_limit) const;
@@ -33,7 +34,8 @@ inline constexpr double kLargeStep = 0.3 * 3.14159265358979 / 180.0, kSmallStep 
 [[nodiscard]] TrackNoise measure_noise(const std::vector<Eigen::Vector3d>& places);
 
 /// Whether the errors of jittery tracks are independent, rather than accumulated. Movement raises
-/// correlations, so the tracks with the lowest ones decide.
+/// correlations, so the tracks with the lowest ones decide. In short tracks the correlations
+/// scatter, so they must be lower; if in doubt, errors accumulate.
 [[nodiscard]] bool has_white_noise(const std::vector<TrackNoise>& jittery);
 
 /// Power of a track's noise, summed over the axes, in squares of rad or of a length.
@@ -45,7 +47,8 @@ struct NoisePower {
   [[nodiscard]] static NoisePower of(const TrackNoise& noise, bool white);
 };
 
-/// The strength of smoothed() that has its gain of one half at a frequency in Hz.
+/// The strength of smoothed() that has its gain of one half approximately at a frequency in Hz (at
+/// a higher one near the Nyquist frequency).
 [[nodiscard]] double smoothing_strength(double cutoff, double frame_time);
 
 /// Noise that remains after smoothing: RMS speed over 1/15 s, as that of contacts, and RMS

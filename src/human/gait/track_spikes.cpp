@@ -50,11 +50,15 @@ bool leaves_way(FrameRange part, FrameRange gap, double least, const Move& move,
 // Calls bridge(gap) for each spike. @return number of frames of all spikes.
 template <typename Move, typename Bridge>
 int bridge_spikes_of(FrameRange part, double least, const Move& move, const Bridge& bridge) {
-  // A track that hardly moves into a gap does not jump there: skips most frames.
+  // A track whose velocity hardly changes does not leave its way: skips most frames.
   constexpr double kHardly = 0.5;
+  static_assert(kHardly < 1.0 - kStepShare);
   int count = 0;
   for (int begin = part.begin + 1; begin + 1 < part.end; ++begin) {
-    if (!(move(begin - 1, begin).norm() > kHardly * least)) continue;
+    const bool hardly_changes =
+        begin - 1 > part.begin &&
+        !((move(begin - 1, begin) - move(begin - 2, begin - 1)).norm() > kHardly * least);
+    if (hardly_changes) continue;
     for (int end = begin + 1; end < part.end && end <= begin + kLongestSpike; ++end) {
       if (!leaves_way(part, {begin, end}, least, move)) continue;
       bridge(FrameRange{begin, end});

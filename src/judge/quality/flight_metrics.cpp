@@ -209,7 +209,11 @@ void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& con
     ++missing;
     faults.add("soles", static_cast<int>(i), carriers.raised[i]);
   }
-  draft.set("missing_surface_pct", percent(missing, known));
+  // In a few frames with a known support, for example of a toe that moves slowly, the share says
+  // little about the motion.
+  constexpr double kLeastShare = 0.25;  // Of all frames.
+  draft.set("missing_surface_pct",
+            percent(missing, std::max<double>(known, kLeastShare * static_cast<double>(frames))));
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 

@@ -56,6 +56,7 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
 /// touches no body of its scene. Flights of at most a second from such a frame to another one are
 /// included. Frames are compared with those in which the body is carried at all, or flies between
 /// contacts of the same kind: the higher a run is above the floor, the fewer contacts are known.
+/// These are at least a quarter of all frames: few known frames say little about a motion.
 /// @param touches_scene  see measure_hovering().
 void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
                               const std::vector<char>& touches_scene);

@@ -125,7 +125,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Share of the frames with a known support in which only surfaces above the floor carry the "
      "source, through its feet, and the robot touches no body of the scene: it stands on nothing. "
      "Flights of at most a second between two such supports count, and flights between other "
-     "supports are part of the frames.",
+     "supports are part of the frames. The denominator is at least a quarter of all frames.",
      kContacts},
     {"lying_pct", "%",
      "Frames in which the source lies or crawls: its trunk leans by more than 60 degrees, and its "

@@ -325,8 +325,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
-  const bool is_urdf = std::filesystem::path(path).extension() == ".urdf";
-  const auto locked = lock_single_positions(spec.get(), *loaded.model, is_urdf);
+  const auto locked = lock_single_positions(spec.get(), *loaded.model, is_urdf(path));
   const auto notes = notes_about_inertials(spec.get(), *loaded.model, repaired);
   loaded.warnings.insert(loaded.warnings.end(), notes.begin(), notes.end());
   add_references(*loaded.model, loaded.couplings);
@@ -353,7 +352,7 @@ Result<void> check_robot_joints(const mjModel_& model, const std::string& path) 
   if (free_joints == 0) {
     return config_failure(
         path, "the model has no free joint: its base cannot move",
-        std::filesystem::path(path).extension() == ".urdf"
+        is_urdf(path)
             ? "convert the URDF to MJCF and add <freejoint/> to the root body; for a fixed base, "
               "use " OPTION("base") " fixed"
             : "add <freejoint/> to the root body; for a fixed base, use " OPTION("base") " fixed");

@@ -14,6 +14,7 @@
 #include "robot/model/check_model.h"
 #include "robot/model/load_model.h"
 #include "robot/model/read_mesh.h"
+#include "robot/model/urdf_extras.h"
 
 namespace retarget {
 namespace {
@@ -111,7 +112,7 @@ Result<std::vector<ModelMesh>> model_meshes(const std::string& path) {
   tinyxml2::XMLDocument document;
   static_cast<void>(parse_xml(text.view(), document));
   const XMLElement* top = document.RootElement();
-  if (top != nullptr && std::string_view(top->Name()) == "robot") return urdf_meshes(*top);
+  if (top != nullptr && is_urdf(*top)) return urdf_meshes(*top);
   ModelChanges changes;
   changes.find_meshes = true;
   TRY_ASSIGN(LoadedModel loaded, load_model(path, changes));

@@ -14,6 +14,7 @@
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "robot/model/mujoco_messages.h"
+#include "robot/model/urdf_extras.h"
 
 namespace retarget {
 namespace {
@@ -282,11 +283,11 @@ bool ModelRepair::free_world_links() {
 }
 
 bool ModelRepair::apply(const std::string& complaint) {
-  const bool is_urdf = is_named(*document_.RootElement(), "robot");
+  const bool has_links = is_urdf(*document_.RootElement());
   if (complaint.find(kNestedFreeJoint) != std::string::npos) {
-    return is_urdf ? free_world_links() : free_world_bodies();
+    return has_links ? free_world_links() : free_world_bodies();
   }
-  if (is_urdf) return false;
+  if (has_links) return false;
   if (complaint.find("repeated name 'world' in body") != std::string::npos) {
     return free_world_bodies();
   }

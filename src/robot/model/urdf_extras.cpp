@@ -39,9 +39,20 @@ void collect_xacro(const XMLElement& element, std::vector<std::string>& names) {
 
 }  // namespace
 
+bool is_urdf(const XMLElement& root) {
+  return lower_case(root.Name()) == "robot";
+}
+
+bool is_urdf(const std::string& path) {
+  const auto text = read_file(path, ErrorKind::kConfig);
+  tinyxml2::XMLDocument document;
+  return text && parse_xml(text->view(), document) && document.RootElement() != nullptr &&
+         is_urdf(*document.RootElement());
+}
+
 bool is_extension_of_urdf(const XMLElement& element) {
   const XMLElement* top = element.GetDocument()->RootElement();
-  if (element.Parent() != top || lower_case(top->Name()) != "robot") return false;
+  if (element.Parent() != top || !is_urdf(*top)) return false;
   const std::string name = lower_case(element.Name());
   return name == "gazebo" || name == "transmission" || name == "ros2_control" || name == "sensor";
 }

@@ -6,6 +6,10 @@
 
 namespace retarget {
 
+/// Whether a model is a URDF, whatever its extension: by the name of its root element, as MuJoCo.
+[[nodiscard]] bool is_urdf(const tinyxml2::XMLElement& root);
+[[nodiscard]] bool is_urdf(const std::string& path);
+
 /// Whether an element of a URDF belongs to a simulator or a controller; MuJoCo ignores it.
 [[nodiscard]] bool is_extension_of_urdf(const tinyxml2::XMLElement& element);
 

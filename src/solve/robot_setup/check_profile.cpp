@@ -50,17 +50,20 @@ class ProfileChecks {
 struct RangeDifference {
   std::size_t count = 0;
   double max = 0.0;  // rad or m
-  std::string worst;
+  const RobotJoint* worst = nullptr;
 
-  void add(const std::string& joint, double difference) {
+  void add(const RobotJoint& joint, double difference) {
     ++count;
     if (difference <= max) return;
     max = difference;
-    worst = joint;
+    worst = &joint;
   }
   [[nodiscard]] std::string text(const LimitSet& set, const char* what) const {
-    return fmt::format("limit set {} {} on {} joints, most on {}{}", set.name, what, count, worst,
-                       std::isfinite(max) ? " (" + number_text(rounded(max, 3)) + " rad)" : "");
+    const char* unit = worst->type == RobotJoint::Type::kSlide ? "m" : "rad";
+    return fmt::format(
+        "limit set {} {} on {}, most on {}{}", set.name, what, count_text(count, "joint"),
+        worst->name,
+        std::isfinite(max) ? fmt::format(" ({} {})", number_text(rounded(max, 3)), unit) : "");
   }
 };
 
@@ -71,13 +74,13 @@ void ProfileChecks::check_limit_set(const LimitSet& set) {
   const LimitSet& model = robot_.model_limits();
   RangeDifference tighter, wider, apart;
   for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
-    const std::string& name = robot_.joints()[j].name;
+    const RobotJoint& joint = robot_.joints()[j];
     const double above = model.upper[j] - set.upper[j], below = set.lower[j] - model.lower[j];
     const double gap = std::max(set.lower[j] - model.upper[j], model.lower[j] - set.upper[j]);
-    if (gap > kDifferent) apart.add(name, gap);
-    if (std::max(-above, -below) > kMuchWider) wider.add(name, std::max(-above, -below));
+    if (gap > kDifferent) apart.add(joint, gap);
+    if (std::max(-above, -below) > kMuchWider) wider.add(joint, std::max(-above, -below));
     const bool is_tighter = std::max(above, below) > kDifferent && set.lower[j] != set.upper[j];
-    if (is_tighter) tighter.add(name, std::max(above, below));
+    if (is_tighter) tighter.add(joint, std::max(above, below));
   }
   if (tighter.count > 0) note(tighter.text(set, "is tighter than the model"));
   if (wider.count > 0) note(wider.text(set, "is much wider than the model"));
@@ -134,7 +137,8 @@ void ProfileChecks::check_locked_joints(const RobotVariant& variant) {
   }
 }
 
-// Describes a position that neither the model nor a limit set allows; empty if one does.
+// Describes a position that neither the model nor a limit set allows, with the nearest range;
+// empty if one allows it.
 std::string ProfileChecks::range_fault(const std::string& joint, double position) const {
   constexpr double kOutside = 1e-3;
   const auto index = robot_.find_joint(joint);
@@ -144,12 +148,15 @@ std::string ProfileChecks::range_fault(const std::string& joint, double position
   const auto excess = [&](const LimitSet& set) {
     return std::max(set.lower[j] - position, position - set.upper[j]);
   };
-  double least = excess(model);
-  for (const LimitSet& set : profile_.limit_sets) least = std::min(least, excess(set));
-  if (!(least > kOutside)) return {};
-  return fmt::format("\"{}\" at {}, outside its range from {} to {}", joint,
-                     number_text(rounded(position, 4)), number_text(rounded(model.lower[j], 4)),
-                     number_text(rounded(model.upper[j], 4)));
+  const LimitSet* nearest = &model;
+  for (const LimitSet& set : profile_.limit_sets) {
+    if (excess(set) < excess(*nearest)) nearest = &set;
+  }
+  if (!(excess(*nearest) > kOutside)) return {};
+  return fmt::format("\"{}\" at {}, outside its range from {} to {}{}", joint,
+                     number_text(rounded(position, 4)), number_text(rounded(nearest->lower[j], 4)),
+                     number_text(rounded(nearest->upper[j], 4)),
+                     nearest == &model ? "" : " in limit set " + nearest->name);
 }
 
 }  // namespace
