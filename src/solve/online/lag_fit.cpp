@@ -86,7 +86,7 @@ namespace {
 
 constexpr double kKeptTime = 6.0;  // Time of sent frames that contact detection uses, seconds.
 constexpr int kMostAtATime = 50;   // Longest window that takes steps in every frame, frames.
-// Time of later frames from which they determine how the motion of a frame goes on, seconds.
+// Time of later frames from which they determine how the motion of a frame continues, seconds.
 constexpr double kEnoughLater = 0.02;
 // Length from which a window has the smoothness of a clip, seconds.
 constexpr double kFullWindow = 0.04;
