@@ -87,6 +87,17 @@ TEST(FootPlan, FootThatIsWhollyHigherStaysOnItsSurface) {
   }
 }
 
+TEST(FootPlan, FlatFootStaysOnTheFloorWithLowContacts) {
+  const SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{}; });
+  FitOptions low;
+  low.contact_height = 0.02;
+  const ContactOptions options = contact_options(low);
+  FootPlan plan;
+  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, 1.0, plan);
+  EXPECT_EQ(plan.ends_of(45)[kHeelEnd].lift, 0.0);
+  EXPECT_EQ(plan.ends_of(45)[kToeEnd].lift, 0.0);
+}
+
 TEST(FootPlan, SlightlyRaisedHeelStaysOnTheFloor) {
   EXPECT_EQ(plan_of(on_tiptoe(0.008)).ends_of(75)[kHeelEnd].lift, 0.0);
   const double lift = plan_of(on_tiptoe(0.015)).ends_of(75)[kHeelEnd].lift;

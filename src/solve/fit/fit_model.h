@@ -35,8 +35,7 @@ struct FitTask {
   /// Weight per radian of rotations about twist_axis, a unit vector in the link frame.
   double twist_weight = 0.0;
   Eigen::Vector3d twist_axis = Eigen::Vector3d::UnitX();
-  int foot = -1;     ///< Index into FitModel::feet if the body
-                     ///< is a foot; else -1.
+  int foot = -1;     ///< Index into FitModel::feet if the body is a foot; else -1.
   std::string body;  ///< Name of the body.
 
   [[nodiscard]] bool follows_rotation() const {

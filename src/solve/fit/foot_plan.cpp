@@ -74,7 +74,7 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
 void lift_ends(double begin_height, double scale, FootPlan& plan) {
   // Heights above the other end, relative to standing, at which the clearance begins to replace the
   // contact and replaces it in full.
-  const double begin = begin_height - 0.03, full = begin + 0.01;
+  const double begin = std::max(begin_height - 0.03, 0.25 * begin_height), full = begin + 0.01;
   for (std::size_t i = 0; i + 1 < plan.ends.size(); i += 2) {
     FootEndGoal &heel = plan.ends[i], &toe = plan.ends[i + 1];
     if (heel.phase < 0 || toe.phase < 0 || !heel.level || !toe.level) continue;
