@@ -101,15 +101,17 @@ struct RepeatedKey {
   std::string key;
 };
 
-// Finds the first key that its object already has. The text must be valid JSON.
+// Finds the first key that its object already has. The text must be valid JSON up to its end or a
+// zero byte, which ends it for nlohmann's parser.
 std::optional<RepeatedKey> repeated_key(std::string_view text) {
+  text = text.substr(0, text.find('\0'));
   std::vector<std::unordered_set<std::string>> keys;  // Of the enclosing lists and objects.
   std::string_view last;                              // The last string, with its quotes.
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '"') {
       const std::size_t begin = i;
-      for (++i; text[i] != '"'; ++i) {
+      for (++i; i < text.size() && text[i] != '"'; ++i) {
         if (text[i] == '\\') ++i;
       }
       last = text.substr(begin, i + 1 - begin);

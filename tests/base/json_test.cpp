@@ -50,6 +50,16 @@ TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithLocation) {
   expect_at("[1,\n 1e999]", 2, 2);
 }
 
+// For the parser, a zero byte ends the text.
+TEST(JsonTest, TextAfterAZeroByteIsNotSearchedForKeys) {
+  using std::string_view_literals::operator""sv;
+  for (const std::string_view text :
+       {"{}\0}"sv, "{\"a\": 1}\0\"x"sv, "[]\0:"sv, "{}\0{\"b\": 1, \"b\": 2}"sv}) {
+    const auto found = parse_json(text, "file.json");
+    if (found) EXPECT_TRUE(found->is_structured());
+  }
+}
+
 TEST(JsonTest, RepeatedKeysAreErrorsAtTheSecondKey) {
   expect_at("{\"a\": 1,\n \"b\": {\"a\": 2},\n  \"a\": 3}", 3, 3);
   expect_at(R"([{"b": [{"x": 1, "y": {}, "x": 1}]}])", 1, 27);
