@@ -97,9 +97,11 @@ def test_a_part_of_a_part(walked: retarget.Motion) -> None:
     assert retarget.evaluate(walked[50:]).data["frames"] == len(walked) - 50
 
 
-def test_the_summary_has_the_result_of_the_fit(walked: retarget.Motion) -> None:
+def test_the_summary_has_the_result_of_the_fit(walk: retarget.Clip, walked: retarget.Motion) -> None:
     labels = [line.split(" ")[0] for line in walked.summary.splitlines()]
-    assert "robot" in labels and "fit" in labels and "floor" in labels
+    assert "robot" in labels and "floor" in labels
+    fixed = retarget.to_robot(walk, "unitree_g1", base="fixed")
+    assert "fit      fixed base: the fit has no foot" in fixed.summary
 
 
 def test_the_summary_has_the_changed_timing(data: Path, g1: retarget.Robot) -> None:
