@@ -207,12 +207,13 @@ std::string plain_text(const Json& json) {
   return text;
 }
 
-Json left_out_json(const RobotSources& robot) {
+// The row of a robot whose model is not known: not installed, or with an error.
+Json row_without_model(const RobotSources& robot) {
   return {{"name", robot.name},
           {"description", robot.description},
           {"joints", nullptr},
           {"height_m", nullptr},
-          {"mapping", false},
+          {"mapping", !robot.config.empty()},
           {"licence", robot.licence},
           {"revision", nullptr},
           {"revision_date", nullptr},
@@ -221,55 +222,53 @@ Json left_out_json(const RobotSources& robot) {
           {"error", nullptr}};
 }
 
-std::string left_out_text(const RobotSources& robot) {
-  return padded(robot.name, 26) + padded("-", 12) + padded("-", 8) + robot.description +
-         (robot.licence_stated ? "" : " (no stated licence)") + " (not installed)\n";
+Json broken_row(const RobotSources& robot, const Error& error) {
+  Json row = row_without_model(robot);
+  row["licence_stated"] = !is_unverified(robot.model);
+  row["installed"] = true;
+  row["error"] = located_message(error);
+  return row;
 }
 
-Json broken_json(const RobotSources& robot, const Error& error) {
-  return {{"name", robot.name},
-          {"description", ""},
-          {"joints", nullptr},
-          {"height_m", nullptr},
-          {"mapping", !robot.config.empty()},
-          {"licence", ""},
-          {"revision", nullptr},
-          {"revision_date", nullptr},
-          {"licence_stated", !is_unverified(robot.model)},
-          {"installed", true},
-          {"error", located_message(error)}};
+Json installed_row(const Robot& robot, const RobotSources& files) {
+  Json row = row_without_model(files);
+  const auto heights = heights_of(robot);
+  row["description"] = robot.profile().description;
+  row["joints"] = robot.output_joints().size();
+  if (heights) row["height_m"] = heights->whole;
+  row["licence"] = robot.profile().licence;
+  row["revision"] = text_or_null(robot.profile().revision);
+  row["revision_date"] = text_or_null(robot.profile().revision_date);
+  row["licence_stated"] = !is_unverified(files.model);
+  row["installed"] = true;
+  return row;
+}
+
+std::string line_of(const RobotSources& robot, const std::string& joints, const std::string& height,
+                    const std::string& remarks) {
+  return padded(robot.name, 26) + padded(joints, 12) + padded(height, 8) + remarks + "\n";
+}
+
+std::string left_out_line(const RobotSources& robot) {
+  return line_of(robot, "-", "-",
+                 robot.description + (robot.licence_stated ? "" : " (no stated licence)") +
+                     " (not installed)");
 }
 
 // The first line of the error; `robots check` prints the others.
-std::string broken_text(const RobotSources& robot, Error error) {
+std::string broken_line(const RobotSources& robot, Error error) {
   error.details.clear();
   error.hint.clear();
-  return padded(robot.name, 26) + padded("-", 12) + padded("-", 8) +
-         "error: " + located_message(error) + "\n";
+  return line_of(robot, "-", "-", "error: " + located_message(error));
 }
 
-Json installed_json(const Robot& robot, const RobotSources& files) {
+std::string installed_line(const Robot& robot, const RobotSources& files) {
   const auto heights = heights_of(robot);
-  return {{"name", files.name},
-          {"description", robot.profile().description},
-          {"joints", robot.output_joints().size()},
-          {"height_m", heights ? Json(heights->whole) : Json()},
-          {"mapping", !files.config.empty()},
-          {"licence", robot.profile().licence},
-          {"revision", text_or_null(robot.profile().revision)},
-          {"revision_date", text_or_null(robot.profile().revision_date)},
-          {"licence_stated", !is_unverified(files.model)},
-          {"installed", true},
-          {"error", nullptr}};
-}
-
-std::string installed_text(const Robot& robot, const RobotSources& files) {
-  const auto heights = heights_of(robot);
-  return padded(files.name, 26) + padded(count_text(robot.output_joints().size(), "joint"), 12) +
-         padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
-         robot.profile().description +
-         (files.config.empty() ? " (no retargeting configuration)" : "") +
-         (is_unverified(files.model) ? " (no stated licence)" : "") + "\n";
+  return line_of(files, count_text(robot.output_joints().size(), "joint"),
+                 heights ? number_text(heights->whole, 2) + " m" : "-",
+                 robot.profile().description +
+                     (files.config.empty() ? " (no retargeting configuration)" : "") +
+                     (is_unverified(files.model) ? " (no stated licence)" : ""));
 }
 
 }  // namespace
@@ -319,13 +318,13 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
   std::string text;
   for (const RobotSources& each : robots) {
     if (each.model.empty()) {
-      all.push_back(left_out_json(each));
-      text += left_out_text(each);
+      all.push_back(row_without_model(each));
+      text += left_out_line(each);
       continue;
     }
     const auto robot = load_robot_files(each.model, each.profile);
-    all.push_back(robot ? installed_json(**robot, each) : broken_json(each, robot.error()));
-    text += robot ? installed_text(**robot, each) : broken_text(each, robot.error());
+    all.push_back(robot ? installed_row(**robot, each) : broken_row(each, robot.error()));
+    text += robot ? installed_line(**robot, each) : broken_line(each, robot.error());
   }
   return form == TextForm::kJson ? printable_dump(all) : printable(text);
 }

@@ -11,6 +11,7 @@
 #include "retarget/file.h"
 #include "retarget/load_robot.h"
 #include "retarget/rig.h"
+#include "rig/finding_texts.h"
 #include "support/built_humanoids.h"
 #include "support/temporary_folder.h"
 
@@ -48,18 +49,10 @@ class ModelFaults : public ::testing::Test {
     EXPECT_TRUE(made) << describe(made.error());
     return made ? made->notes : std::vector<std::string>();
   }
-  // The findings of robots check of one kind: errors or notes.
   std::vector<std::string> findings(const std::string& text, bool faults) {
     RobotSources sources;
     sources.model = write(text);
-    const auto found = check_robot(sources);
-    EXPECT_TRUE(found) << describe(found.error());
-    std::vector<std::string> texts;
-    if (!found) return texts;
-    for (const RobotFinding& finding : *found) {
-      if (finding.fault == faults) texts.push_back(finding.text);
-    }
-    return texts;
+    return finding_texts(check_robot(sources), faults);
   }
   void expect_refused(const std::string& text, const std::string& what) {
     EXPECT_THAT(refusal(text), HasSubstr(what));

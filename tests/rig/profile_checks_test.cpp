@@ -12,6 +12,7 @@
 #include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/rig.h"
+#include "rig/finding_texts.h"
 #include "support/humanoids.h"
 #include "support/temporary_folder.h"
 
@@ -52,14 +53,8 @@ class ProfileChecksTest : public ::testing::Test {
   [[nodiscard]] std::string robot() const { return (folder_.path() / "mine").string(); }
 
   std::vector<std::string> findings(bool faults) {
-    const auto found = check_robot(find_robot_sources(robot(), RETARGET_SOURCE_DIR).value());
-    EXPECT_TRUE(found) << describe(found.error());
-    std::vector<std::string> texts;
-    if (!found) return texts;
-    for (const RobotFinding& finding : *found) {
-      if (finding.fault == faults) texts.push_back(finding.text);
-    }
-    return texts;
+    return finding_texts(check_robot(find_robot_sources(robot(), RETARGET_SOURCE_DIR).value()),
+                         faults);
   }
   [[nodiscard]] Result<LoadedRobot> loaded() const {
     RobotChoice choice;

@@ -7,6 +7,7 @@
 
 #include "retarget/load_robot.h"
 #include "robot/model/load_model.h"
+#include "robot/model/urdf_extras.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 
@@ -40,15 +41,15 @@ TEST(CouplingsTest, ReadsMimic) {
     <joint name="c" type="revolute"><mimic joint="a"/></joint>
     <joint name="d" type="revolute"><mimic joint="a" multiplier="nan"/></joint>
     <joint name="e" type="revolute"><mimic multiplier="2"/></joint></robot>)");
-  const auto couplings = urdf_couplings(path);
+  const auto couplings = urdf_facts(path).couplings;
   ASSERT_EQ(couplings.size(), 2U);
   EXPECT_EQ(couplings.at("b").leader, "a");
   EXPECT_EQ(couplings.at("b").ratio, 1.5);
   EXPECT_EQ(couplings.at("b").offset, -0.1);
   EXPECT_EQ(couplings.at("c").ratio, 1.0);
   EXPECT_EQ(couplings.at("c").offset, 0.0);
-  EXPECT_TRUE(urdf_couplings(folder.write("model.xml", "<mujoco/>")).empty());
-  EXPECT_TRUE(urdf_couplings("/nowhere.urdf").empty());
+  EXPECT_TRUE(urdf_facts(folder.write("model.xml", "<mujoco/>")).couplings.empty());
+  EXPECT_TRUE(urdf_facts("/nowhere.urdf").couplings.empty());
 }
 
 }  // namespace

@@ -91,9 +91,11 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
     *weight *= 2.5;
   }
   // A robot's legs can follow the twist of another robot's legs.
-  weights.thigh_rotation *= 20.0 / 14.0;
+  constexpr double kLegs = 20.0;  // Per radian, if the options have their defaults.
+  const TrackingWeights usual;
+  weights.thigh_rotation *= kLegs / usual.thigh_rotation;
   weights.thigh_twist = weights.thigh_rotation;
-  weights.shank_rotation *= 20.0 / 13.0;
+  weights.shank_rotation *= kLegs / usual.shank_rotation;
   weights.shank_twist = weights.shank_rotation;
   for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
     *weight *= 1.5;

@@ -52,12 +52,11 @@ std::string degrees_text_of(const LimitSet& set, const Robot& robot) {
 }  // namespace
 
 bool looks_like_degrees(const Robot& robot, std::size_t joint, double position) {
-  constexpr double kWide = 10.0;  // Radians.
   if (robot.joints()[joint].type != RobotJoint::Type::kHinge) return false;
   const LimitSet& own = robot.model_limits();
   const bool in_range =
       is_limited(own, joint) && position >= own.lower[joint] && position <= own.upper[joint];
-  return std::abs(position) > kWide && !in_range;
+  return std::abs(position) > kLikeDegrees && !in_range;
 }
 
 LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot,

@@ -16,7 +16,10 @@ namespace retarget {
 [[nodiscard]] LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot,
                                         const std::string& what, Faults& faults);
 
-/// Whether a position of a hinge looks like degrees: more than 1.5 turns from zero, and not in a
+/// Position of a hinge, rad, that is rather in degrees: more than 1.5 turns from zero.
+inline constexpr double kLikeDegrees = 10.0;
+
+/// Whether a position of a hinge looks like degrees: more than kLikeDegrees from zero, and not in a
 /// range that the model itself states.
 /// @param joint  index into Robot::joints().
 [[nodiscard]] bool looks_like_degrees(const Robot& robot, std::size_t joint, double position);

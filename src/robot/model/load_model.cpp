@@ -325,12 +325,13 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
-  const auto locked = lock_single_positions(spec.get(), *loaded.model, is_urdf(path));
+  UrdfFacts urdf = urdf_facts(path);
+  const auto locked = lock_single_positions(spec.get(), *loaded.model, urdf.is_urdf);
   const auto notes = notes_about_inertials(spec.get(), *loaded.model, repaired);
   loaded.warnings.insert(loaded.warnings.end(), notes.begin(), notes.end());
   add_references(*loaded.model, loaded.couplings);
   // MuJoCo ignores <mimic> elements.
-  for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);
+  for (auto& [name, coupling] : urdf.couplings) loaded.couplings[name] = std::move(coupling);
   loaded.meshes = mesh_geoms.find(*loaded.model);
   loaded.warnings.insert(loaded.warnings.end(), guard.warnings().begin(), guard.warnings().end());
   // MuJoCo versions report a warning here, through the handler, or both.
@@ -352,7 +353,7 @@ Result<void> check_robot_joints(const mjModel_& model, const std::string& path) 
   if (free_joints == 0) {
     return config_failure(
         path, "the model has no free joint: its base cannot move",
-        is_urdf(path)
+        urdf_facts(path).is_urdf
             ? "convert the URDF to MJCF and add <freejoint/> to the root body; for a fixed base, "
               "use " OPTION("base") " fixed"
             : "add <freejoint/> to the root body; for a fixed base, use " OPTION("base") " fixed");

@@ -63,8 +63,4 @@ struct ModelChanges {
 /// hinges or slides.
 [[nodiscard]] Result<void> check_robot_joints(const mjModel_& model, const std::string& path);
 
-/// Returns the coupled joints of a URDF (`<mimic joint= multiplier= offset=>`), by joint name.
-/// Empty for files that are not URDF.
-[[nodiscard]] std::map<std::string, JointCoupling> urdf_couplings(const std::string& path);
-
 }  // namespace retarget

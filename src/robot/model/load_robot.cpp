@@ -1,6 +1,5 @@
 #include "retarget/load_robot.h"
 
-#include <tinyxml2.h>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -11,7 +10,6 @@
 #include "base/faults.h"
 #include "base/json.h"
 #include "base/option_name.h"
-#include "base/parse_xml.h"
 #include "base/try.h"
 #include "retarget/data_folder.h"
 #include "retarget/file.h"
@@ -261,30 +259,6 @@ Result<std::shared_ptr<const Robot>> load_robot_files(const std::string& model_p
   }
   robot->set_profile(std::move(profile));
   return robot;
-}
-
-std::map<std::string, JointCoupling> urdf_couplings(const std::string& path) {
-  std::map<std::string, JointCoupling> couplings;
-  const auto text = read_file(path, ErrorKind::kConfig);
-  if (!text) return couplings;
-  tinyxml2::XMLDocument document;
-  if (!parse_xml(text->view(), document)) {
-    return couplings;
-  }
-  const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
-  if (robot == nullptr) return couplings;
-  for (const auto* joint = robot->FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
-    const auto* mimic = joint->FirstChildElement("mimic");
-    const char* name = joint->Attribute("name");
-    const char* leader = mimic == nullptr ? nullptr : mimic->Attribute("joint");
-    if (name == nullptr || leader == nullptr) continue;
-    JointCoupling coupling{leader, mimic->DoubleAttribute("multiplier", 1.0),
-                           mimic->DoubleAttribute("offset", 0.0)};
-    if (!std::isfinite(coupling.ratio) || !std::isfinite(coupling.offset)) continue;
-    couplings[name] = std::move(coupling);
-  }
-  return couplings;
 }
 
 }  // namespace retarget

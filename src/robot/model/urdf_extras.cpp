@@ -1,8 +1,10 @@
 #include "robot/model/urdf_extras.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string_view>
+#include <utility>
 
 #include "base/parse_xml.h"
 #include "retarget/file.h"
@@ -43,11 +45,26 @@ bool is_urdf(const XMLElement& root) {
   return lower_case(root.Name()) == "robot";
 }
 
-bool is_urdf(const std::string& path) {
+UrdfFacts urdf_facts(const std::string& path) {
+  UrdfFacts facts;
   const auto text = read_file(path, ErrorKind::kConfig);
   tinyxml2::XMLDocument document;
-  return text && parse_xml(text->view(), document) && document.RootElement() != nullptr &&
-         is_urdf(*document.RootElement());
+  if (!text || !parse_xml(text->view(), document)) return facts;
+  facts.is_urdf = document.RootElement() != nullptr && is_urdf(*document.RootElement());
+  const XMLElement* robot = document.FirstChildElement("robot");
+  if (robot == nullptr) return facts;
+  for (const auto* joint = robot->FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    const auto* mimic = joint->FirstChildElement("mimic");
+    const char* name = joint->Attribute("name");
+    const char* leader = mimic == nullptr ? nullptr : mimic->Attribute("joint");
+    if (name == nullptr || leader == nullptr) continue;
+    JointCoupling coupling{leader, mimic->DoubleAttribute("multiplier", 1.0),
+                           mimic->DoubleAttribute("offset", 0.0)};
+    if (!std::isfinite(coupling.ratio) || !std::isfinite(coupling.offset)) continue;
+    facts.couplings[name] = std::move(coupling);
+  }
+  return facts;
 }
 
 bool is_extension_of_urdf(const XMLElement& element) {

@@ -1,14 +1,25 @@
 #pragma once
 
 #include <tinyxml2.h>
+#include <map>
 #include <string>
 #include <vector>
+
+#include "retarget/robot.h"
 
 namespace retarget {
 
 /// Whether a model is a URDF, whatever its extension: by the name of its root element, as MuJoCo.
 [[nodiscard]] bool is_urdf(const tinyxml2::XMLElement& root);
-[[nodiscard]] bool is_urdf(const std::string& path);
+
+/// Facts about a model file that MuJoCo's reader drops.
+struct UrdfFacts {
+  bool is_urdf = false;
+  std::map<std::string, JointCoupling>
+      couplings;  ///< By joint: `<mimic joint= multiplier= offset=>`.
+};
+/// Reads the facts. A file that cannot be read has none.
+[[nodiscard]] UrdfFacts urdf_facts(const std::string& path);
 
 /// Whether an element of a URDF belongs to a simulator or a controller; MuJoCo ignores it.
 [[nodiscard]] bool is_extension_of_urdf(const tinyxml2::XMLElement& element);

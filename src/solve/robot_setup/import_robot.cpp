@@ -14,6 +14,7 @@
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
+#include "robot/model/limits.h"
 
 namespace retarget {
 namespace {
@@ -45,7 +46,6 @@ struct OddRanges {
 };
 
 OddRanges odd_ranges(const Robot& robot) {
-  constexpr double kWide = 10.0;  // Radians: more than 1.5 turns in either direction.
   const LimitSet& limits = robot.model_limits();
   OddRanges odd;
   for (std::size_t j = 0; j < robot.joints().size(); ++j) {
@@ -59,7 +59,7 @@ OddRanges odd_ranges(const Robot& robot) {
     ++odd.limited;
     const double bound = std::max(std::abs(lower), std::abs(upper));
     odd.widest = std::max(odd.widest, bound);
-    if (bound > kWide) odd.wide.push_back(name);
+    if (bound > kLikeDegrees) odd.wide.push_back(name);
     if (upper - lower <= 0.0) odd.closed.push_back(name);
   }
   return odd;
