@@ -7,109 +7,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <span>
 #include <vector>
 
+#include "fit/moving_feet.h"
 #include "human/gait/standing_heights.h"
 #include "support/angles.h"
 
 namespace retarget {
 namespace {
 
-constexpr double kAnkleHeight = 0.09, kToeHeight = 0.02;  // standing heights, metres
-
-// Height and position of a foot over time; both ends are equal.
-struct FootPlace {
-  double x = 0.0, height = 0.0;
-};
-using FootPath = std::function<FootPlace(double seconds)>;
-
-// One foot that moves along x.
-SourceFeet make_feet(double seconds, double fps, const FootPath& path) {
-  SourceFeet feet;
-  feet.foot_count = 1;
-  feet.frame_time = 1.0 / fps;
-  const int frames = static_cast<int>(std::lround(seconds * fps)) + 1;
-  for (int frame = 0; frame < frames; ++frame) {
-    const FootPlace place = path(frame / fps);
-    SourceFoot foot;
-    foot.ankle = {place.x, 0.0, kAnkleHeight + place.height};
-    foot.toe = {place.x + 0.14, 0.0, kToeHeight + place.height};
-    feet.feet.push_back(foot);
-  }
-  return feet;
-}
-
-// Stands for a second, rises and falls at 1 m/s, and stands half a metre ahead.
-FootPlace step(double t) {
-  const double up = std::max(0.0, 0.25 - std::abs(t - 1.25));
-  return {0.5 * std::min(1.0, std::max(0.0, 2.0 * (t - 1.0))), up};
-}
-
-FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
-  FootPlan plan;
-  const ContactOptions options = contact_options({});
-  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, scale, plan);
-  return plan;
-}
-
-// Stands, and raises the heel slowly to `rise` metres for a second while the toe stays.
-SourceFeet on_tiptoe(double rise) {
-  SourceFeet feet = make_feet(5.0, 30.0, [](double) { return FootPlace{}; });
-  for (std::size_t frame = 0; frame < feet.feet.size(); ++frame) {
-    const double up = std::clamp(1.5 - std::abs(static_cast<double>(frame) / 30.0 - 2.5), 0.0, 1.0);
-    feet.feet[frame].ankle.z() += rise * up;
-  }
-  return feet;
-}
-
-TEST(FootPlan, SlowlyRisingHeelLeavesTheFloor) {
-  const FootPlan plan = plan_of(on_tiptoe(0.04));
-  const auto heel = [&](int frame) { return plan.ends_of(frame)[kHeelEnd]; };
-  EXPECT_EQ(heel(15).lift, 0.0);
-  EXPECT_GE(heel(75).phase, 0);
-  EXPECT_EQ(heel(75).lift, 1.0);
-  EXPECT_NEAR(heel(75).clearance, 0.04, 1e-12);
-  EXPECT_EQ(plan.ends_of(75)[kToeEnd].lift, 0.0);
-}
-
-TEST(FootPlan, FootThatIsWhollyHigherStaysOnItsSurface) {
-  // Stands three centimetres higher after a step, as on a mat.
-  const SourceFeet feet = make_feet(8.0, 30.0, [](double t) {
-    FootPlace place = step(t);
-    if (t > 1.3) place.height = std::max(place.height, 0.03);
-    return place;
-  });
-  const FootPlan plan = plan_of(feet);
-  for (const int end : {kHeelEnd, kToeEnd}) {
-    EXPECT_EQ(plan.ends_of(150)[static_cast<std::size_t>(end)].lift, 0.0);
-  }
-}
-
-TEST(FootPlan, FlatFootStaysOnTheFloorWithLowContacts) {
-  const SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{}; });
-  FitOptions low;
-  low.contact_height = 0.02;
-  const ContactOptions options = contact_options(low);
-  FootPlan plan;
-  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, 1.0, plan);
-  EXPECT_EQ(plan.ends_of(45)[kHeelEnd].lift, 0.0);
-  EXPECT_EQ(plan.ends_of(45)[kToeEnd].lift, 0.0);
-}
-
-TEST(FootPlan, SlightlyRaisedHeelStaysOnTheFloor) {
-  EXPECT_EQ(plan_of(on_tiptoe(0.008)).ends_of(75)[kHeelEnd].lift, 0.0);
-  const double lift = plan_of(on_tiptoe(0.015)).ends_of(75)[kHeelEnd].lift;
-  EXPECT_GT(lift, 0.0);
-  EXPECT_LT(lift, 1.0);
-}
-
 TEST(FootPlan, FindsStandingHeights) {
   const StandingHeights found = find_standing_heights(make_feet(3.0, 30.0, step), {});
   EXPECT_TRUE(found.found);
-  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
-  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(found.ankle, kStandingAnkle, 1e-12);
+  EXPECT_NEAR(found.toe, kStandingToe, 1e-12);
 }
 
 TEST(FootPlan, LyingFeetAreNotStanding) {
@@ -120,8 +32,8 @@ TEST(FootPlan, LyingFeetAreNotStanding) {
   }
   const StandingHeights found = find_standing_heights(feet, {});
   EXPECT_TRUE(found.found);
-  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
-  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(found.ankle, kStandingAnkle, 1e-12);
+  EXPECT_NEAR(found.toe, kStandingToe, 1e-12);
 }
 
 TEST(FootPlan, ShortDipsDoNotDefineTheFloor) {
@@ -132,8 +44,8 @@ TEST(FootPlan, ShortDipsDoNotDefineTheFloor) {
   });
   const StandingHeights found = find_standing_heights(feet, {});
   EXPECT_TRUE(found.found);
-  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
-  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(found.ankle, kStandingAnkle, 1e-12);
+  EXPECT_NEAR(found.toe, kStandingToe, 1e-12);
 }
 
 // Stands for ten seconds in which the root sinks and rises again at these times.
@@ -153,8 +65,8 @@ TEST(FootPlan, DipsOfTheRootDoNotDefineTheFloor) {
     for (const double seconds : {0.5, 0.8}) {
       const StandingHeights found = find_standing_heights(feet_with_dips(times, seconds), {});
       EXPECT_TRUE(found.found) << times.size() << " " << seconds;
-      EXPECT_NEAR(found.ankle, kAnkleHeight, 0.01);
-      EXPECT_NEAR(found.toe, kToeHeight, 0.01);
+      EXPECT_NEAR(found.ankle, kStandingAnkle, 0.01);
+      EXPECT_NEAR(found.toe, kStandingToe, 0.01);
     }
   }
 }
@@ -165,18 +77,18 @@ TEST(FootPlan, ALostRootDoesNotDefineTheFloor) {
   const auto lost_feet = make_feet(10.0, 30.0, [&](double t) {
     return FootPlace{lost(t) ? t : 0.0, lost(t) ? -0.9 : 0.0};
   });
-  EXPECT_NEAR(find_standing_heights(lost_feet, {}).toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(find_standing_heights(lost_feet, {}).toe, kStandingToe, 1e-12);
   // The person stands while the root is lost.
   const auto standing_feet = make_feet(10.0, 30.0, [&](double t) {
     return FootPlace{0.0, t > 5.0 && t < 5.3 ? -0.9 : 0.0};
   });
-  EXPECT_NEAR(find_standing_heights(standing_feet, {}).toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(find_standing_heights(standing_feet, {}).toe, kStandingToe, 1e-12);
   // A jump off a box, to the floor and up again, is slower.
   const auto jumping_feet = make_feet(10.0, 30.0, [](double t) {
     const double away = std::abs(t - 5.1);
     return FootPlace{away < 0.3 ? t : 0.0, -std::clamp(1.5 - 5.0 * away, 0.0, 0.5)};
   });
-  EXPECT_LT(find_standing_heights(jumping_feet, {}).toe, kToeHeight - 0.3);
+  EXPECT_LT(find_standing_heights(jumping_feet, {}).toe, kStandingToe - 0.3);
 }
 
 TEST(FootPlan, ShortStaysOnTheFloorAreNoDips) {
@@ -185,12 +97,12 @@ TEST(FootPlan, ShortStaysOnTheFloorAreNoDips) {
     const bool down = (t >= 3.0 && t < 3.3) || (t >= 6.0 && t < 6.3);
     return FootPlace{0.0, down ? 0.0 : 0.2};
   });
-  EXPECT_NEAR(find_standing_heights(stays, {}).toe, kToeHeight, 0.01);
+  EXPECT_NEAR(find_standing_heights(stays, {}).toe, kStandingToe, 0.01);
   // The clip begins when the foot leaves the floor.
   const auto steps_up = make_feet(5.0, 30.0, [](double t) {
     return FootPlace{0.0, std::min(0.2, 0.5 * t)};
   });
-  EXPECT_LT(find_standing_heights(steps_up, {}).toe, kToeHeight + 0.06);
+  EXPECT_LT(find_standing_heights(steps_up, {}).toe, kStandingToe + 0.06);
 }
 
 TEST(FootPlan, ReboundsFromAStepAreOnTheFloor) {
@@ -202,7 +114,7 @@ TEST(FootPlan, ReboundsFromAStepAreOnTheFloor) {
   const auto rebounds = make_feet(10.0, 30.0, [&](double t) {
     return FootPlace{0.0, std::min(height(t - 3.0), height(t - 6.0))};
   });
-  EXPECT_NEAR(find_standing_heights(rebounds, {}).toe, kToeHeight, 0.02);
+  EXPECT_NEAR(find_standing_heights(rebounds, {}).toe, kStandingToe, 0.02);
 }
 
 TEST(FootPlan, TheUpperFootOfALyingBodyDoesNotStand) {
@@ -229,7 +141,7 @@ TEST(FootPlan, FloorIsTheLevelSteppedDownTo) {
     const auto feet = make_feet(c.up + c.down, 30.0, [&](double t) {
       return FootPlace{0.0, t < c.up ? c.height : 0.0};
     });
-    EXPECT_LT(find_standing_heights(feet, {}).toe, kToeHeight + 0.01) << c.up << " " << c.down;
+    EXPECT_LT(find_standing_heights(feet, {}).toe, kStandingToe + 0.01) << c.up << " " << c.down;
   }
 }
 
@@ -238,14 +150,14 @@ TEST(FootPlan, LowestStepOfStairsIsTheFloor) {
   const auto feet = make_feet(22.5, 30.0, [](double t) {
     return FootPlace{0.0, 0.15 * std::floor(t / 1.5)};
   });
-  EXPECT_NEAR(find_standing_heights(feet, {}).toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(find_standing_heights(feet, {}).toe, kStandingToe, 1e-12);
 }
 
 TEST(FootPlan, GuessesTheFloorIfNoFootStands) {
   const auto feet = make_feet(2.0, 30.0, [](double t) { return FootPlace{2.0 * t, 0.0}; });
   const StandingHeights found = find_standing_heights(feet, {});
   EXPECT_FALSE(found.found);
-  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+  EXPECT_NEAR(found.toe, kStandingToe, 1e-12);
   EXPECT_GT(found.ankle, found.toe);
 }
 
@@ -512,7 +424,7 @@ TEST(FootPlan, AFootOnABoxBesideOneOnTheFloorIsNotRaised) {
 TEST(FootPlan, FlatFootHasHeelAndToeAtTheSameHeight) {
   SourceFeet feet = make_feet(3.0, 30.0, step_up);
   for (SourceFoot& foot : feet.feet) {
-    if (foot.ankle.z() > kAnkleHeight + 0.2) foot.toe.z() += 0.02;
+    if (foot.ankle.z() > kStandingAnkle + 0.2) foot.toe.z() += 0.02;
   }
   const FootPlan plan = plan_of(feet);
   EXPECT_NEAR(plan.ends_of(75)[kHeelEnd].support, 0.31, 1e-12);
