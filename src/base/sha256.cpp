@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "retarget/text.h"
+
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <cpuid.h>
 #include <immintrin.h>
@@ -174,6 +176,13 @@ Sha256::Digest Sha256::finish() {
     digest[i] = static_cast<std::uint8_t>(state_[i / 4] >> (24 - 8 * (i % 4)));
   }
   return digest;
+}
+
+std::string sha256_hex(std::string_view bytes) {
+  Sha256 hash;
+  hash.update(bytes);
+  const Sha256::Digest digest = hash.finish();
+  return hex_text(std::string(digest.begin(), digest.end()));
 }
 
 }  // namespace retarget

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace retarget {
@@ -24,6 +25,9 @@ class Sha256 {
   std::array<std::uint8_t, 64> block_{};  // The first size_ % 64 bytes are not hashed yet.
   std::uint64_t size_ = 0;                // Size of all bytes so far.
 };
+
+/// The SHA-256 of bytes as 64 lower-case hexadecimal digits.
+[[nodiscard]] std::string sha256_hex(std::string_view bytes);
 
 /// The compression function of the standard on `count` blocks of 64 bytes, for Sha256 and its
 /// tests.

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "base/sha256.h"
 #include "retarget/bytes.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
@@ -183,12 +184,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-__extension__ using Uint128 = unsigned __int128;
-
 constexpr std::string_view kMagic = "RTGRID\r\n";
 // Increase this when the samples of the same mesh and layout change.
-constexpr std::uint64_t kVersion = 1;
-constexpr std::size_t kHashLength = 32;
+constexpr std::uint64_t kVersion = 2;
+constexpr std::size_t kHashLength = 64;
 
 void append_number(std::string& bytes, double value) {
   append_little_endian(bytes, std::bit_cast<std::uint64_t>(value), 8);
@@ -207,21 +206,6 @@ std::string head_of(const GridLayout& layout) {
 
 }  // namespace
 
-std::string fnv1a_128(std::string_view bytes) {
-  constexpr Uint128 kPrime = (Uint128{1} << 88U) + 0x13B;
-  Uint128 hash = (Uint128{0x6C62272E07BB0142U} << 64U) + 0x62B821756295C58DU;
-  for (const char byte : bytes) {
-    hash ^= static_cast<unsigned char>(byte);
-    hash *= kPrime;
-  }
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  for (int shift = 124; shift >= 0; shift -= 4) {
-    text += kDigits[static_cast<std::size_t>((hash >> static_cast<unsigned>(shift)) & 15U)];
-  }
-  return text;
-}
-
 std::string grid_file_name(const TriangleMesh& mesh, const GridLayout& layout) {
   std::string content = head_of(layout);
   content.reserve(content.size() + 24 * mesh.vertices.size() + 12 * mesh.triangles.size());
@@ -233,7 +217,7 @@ std::string grid_file_name(const TriangleMesh& mesh, const GridLayout& layout) {
       append_little_endian(content, static_cast<std::uint64_t>(corner), 4);
     }
   }
-  return fnv1a_128(content) + ".grid";
+  return sha256_hex(content) + ".grid";
 }
 
 std::optional<DistanceGrid> read_grid(const std::string& file, const GridLayout& layout) {
@@ -245,7 +229,7 @@ std::optional<DistanceGrid> read_grid(const std::string& file, const GridLayout&
   const std::string_view bytes = content->view();
   if (!bytes.starts_with(head)) return std::nullopt;
   const std::string_view checked = bytes.substr(0, size - kHashLength);
-  if (bytes.substr(checked.size()) != fnv1a_128(checked)) return std::nullopt;
+  if (bytes.substr(checked.size()) != sha256_hex(checked)) return std::nullopt;
   ByteReader<std::endian::little> reader(checked.substr(head.size()));
   std::vector<float> values(layout.count());
   for (float& value : values) value = reader.number<float>();
@@ -261,7 +245,7 @@ void write_grid(const std::string& file, const DistanceGrid& grid) {
   std::string bytes = head_of(grid.layout());
   bytes.reserve(bytes.size() + 4 * grid.layout().count() + kHashLength);
   for (const float value : grid.values()) append_little_endian(bytes, value);
-  bytes += fnv1a_128(bytes);
+  bytes += sha256_hex(bytes);
   static_cast<void>(write_file(file, bytes));
 }
 

@@ -65,10 +65,6 @@ class DistanceGrid {
   std::vector<Node> nodes_;
 };
 
-/// FNV-1a with 128 bits, as 32 hexadecimal digits. It names content and detects damage; it does not
-/// resist forgery.
-[[nodiscard]] std::string fnv1a_128(std::string_view bytes);
-
 /// Name of the file for the grid of a mesh: a hash of its vertices and triangles, of the layout and
 /// of the version of the method, and the ending `.grid`.
 [[nodiscard]] std::string grid_file_name(const TriangleMesh& mesh, const GridLayout& layout);

@@ -113,55 +113,25 @@ int TriangleTree::build(std::vector<int>& order, int begin, int end,
 }
 
 void TriangleTree::summarise(Node& node) const {
+  Eigen::AlignedBox3d box;
   double whole = 0.0;
   Vector3d weighted = Vector3d::Zero();
   for (int i = node.begin; i < node.end; ++i) {
     const auto& [a, b, c] = triangles_[static_cast<std::size_t>(i)];
-    for (const Vector3d& corner : {a, b, c}) node.box.extend(corner);
+    for (const Vector3d& corner : {a, b, c}) box.extend(corner);
     const Vector3d area = 0.5 * (b - a).cross(c - a);
     const double size = area.norm();
     node.area += area;
     weighted += size * (a + b + c) / 3.0;
     whole += size;
   }
-  node.centre = whole > 0.0 ? Vector3d(weighted / whole) : node.box.center();
+  node.centre = whole > 0.0 ? Vector3d(weighted / whole) : box.center();
   for (int i = node.begin; i < node.end; ++i) {
     const auto& [a, b, c] = triangles_[static_cast<std::size_t>(i)];
     for (const Vector3d& corner : {a, b, c}) {
       node.radius = std::max(node.radius, (corner - node.centre).norm());
     }
   }
-}
-
-TriangleTree::Nearest TriangleTree::nearest(const Vector3d& point, int guess) const {
-  Nearest best{std::numeric_limits<double>::infinity(), -1};
-  const auto consider = [&](int index) {
-    const auto& [a, b, c] = triangles_[static_cast<std::size_t>(index)];
-    const double square = (nearest_on_triangle(point, a, b, c) - point).squaredNorm();
-    if (square < best.squared_distance) best = {square, index};
-  };
-  if (guess >= 0) consider(guess);
-  // A leaf is reached in fewer than 32 steps, and each step defers one child.
-  std::array<std::pair<double, int>, 64> open;
-  std::size_t count = 0;
-  open[count++] = {nodes_[0].box.squaredExteriorDistance(point), 0};
-  while (count > 0) {
-    const auto [bound, index] = open[--count];
-    if (bound >= best.squared_distance) continue;
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
-    if (node.right < 0) {
-      for (int i = node.begin; i < node.end; ++i) consider(i);
-      continue;
-    }
-    const auto child = [&](int at) {
-      return std::pair(nodes_[static_cast<std::size_t>(at)].box.squaredExteriorDistance(point), at);
-    };
-    auto near = child(index + 1), far = child(node.right);
-    if (far.first < near.first) std::swap(near, far);
-    open[count++] = far;
-    open[count++] = near;
-  }
-  return best;
 }
 
 double TriangleTree::winding_number(const Vector3d& point) const {

@@ -9,20 +9,12 @@
 
 namespace retarget {
 
-/// A tree of boxes around the triangles of a mesh, for exact distances and winding numbers. The
-/// same mesh gives the same tree on every machine.
+/// A tree of the triangles of a mesh, for winding numbers. The same mesh gives the same tree on
+/// every machine.
 class TriangleTree {
  public:
   /// @pre the mesh has triangles, and all their corners are finite.
   explicit TriangleTree(const TriangleMesh& mesh);
-
-  struct Nearest {
-    double squared_distance = 0.0;  ///< Square metres.
-    int triangle = -1;              ///< Index in the order of the tree.
-  };
-  /// @param guess  a triangle that is probably near, from an earlier result; -1: none. It affects
-  /// the time, and which of several equally near triangles is found.
-  [[nodiscard]] Nearest nearest(const Eigen::Vector3d& point, int guess = -1) const;
 
   /// How often the surface winds around a point: 1 inside a closed mesh whose triangles face
   /// outward, 0 outside, a fraction near holes. Far parts of the surface count as dipoles (Barill
@@ -34,7 +26,6 @@ class TriangleTree {
     Eigen::Vector3d a, b, c;
   };
   struct Node {
-    Eigen::AlignedBox3d box;
     int begin = 0, end = 0;  // Its triangles.
     int right = -1;          // Its second child; the first one follows it. -1: a leaf.
     Eigen::Vector3d area = Eigen::Vector3d::Zero();    // Sum of area times normal.
