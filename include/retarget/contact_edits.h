@@ -42,9 +42,6 @@ struct ContactEdit {
                                                                    const std::string& file);
 [[nodiscard]] Result<std::vector<ContactEdit>> load_contact_edits(const std::string& file);
 
-/// Formats edits as JSON for parse_contact_edits().
-[[nodiscard]] std::string contact_edits_text(std::span<const ContactEdit> edits);
-
 /// Checks that all edits are within a motion. Errors (kConfig): all edits outside it, and shifts
 /// that leave it.
 /// @param seconds  length of the motion.

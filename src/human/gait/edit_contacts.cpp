@@ -136,20 +136,6 @@ Result<std::vector<ContactEdit>> load_contact_edits(const std::string& file) {
   return parse_contact_edits(text.view(), file);
 }
 
-std::string contact_edits_text(std::span<const ContactEdit> edits) {
-  auto list = nlohmann::ordered_json::array();
-  for (const ContactEdit& edit : edits) {
-    nlohmann::ordered_json json = {{"part", edit.part},
-                                   {"action", kActions[static_cast<std::size_t>(edit.action)]},
-                                   {"start", edit.start},
-                                   {"end", edit.end}};
-    if (edit.action == ContactAction::kShift) json["by"] = edit.by;
-    if (edit.height != 0.0) json["height"] = edit.height;
-    list.push_back(std::move(json));
-  }
-  return nlohmann::ordered_json{{"contacts", std::move(list)}}.dump(2) + "\n";
-}
-
 namespace {
 
 bool leaves_motion(const ContactEdit& edit, double seconds) {
