@@ -47,6 +47,11 @@ Eigen::VectorXd minimise_slowly(const Problem& problem) {
   return x;
 }
 
+int bound_count(const Problem& problem, const Eigen::VectorXd& x) {
+  return static_cast<int>(
+      (x.array() == problem.lower.array() || x.array() == problem.upper.array()).count());
+}
+
 TEST(BoxQp, SatisfiesKktConditionsOnRandomProblems) {
   std::mt19937 engine(3);
   int max_active = 0;
@@ -62,7 +67,7 @@ TEST(BoxQp, SatisfiesKktConditionsOnRandomProblems) {
     ASSERT_TRUE((x.array() <= problem.upper.array()).all());
     ASSERT_LT(box_qp_residual(problem.H, problem.g, problem.lower, problem.upper, x), 1e-9)
         << "problem " << repeat;
-    max_active = std::max(max_active, stats.active);
+    max_active = std::max(max_active, bound_count(problem, x));
   }
   EXPECT_GT(max_active, 20);
 }
@@ -97,9 +102,8 @@ TEST(BoxQp, HandlesFixedVariables) {
   const Eigen::VectorXd upper = Eigen::Vector3d(0.25, 0.0, kInfinity);
   BoxQp qp(3);
   Eigen::VectorXd x(3);
-  const BoxQpStats stats = qp.solve(H, g, lower, upper, x);
+  qp.solve(H, g, lower, upper, x);
   EXPECT_EQ(x, Eigen::VectorXd(Eigen::Vector3d(0.25, 0.0, -0.5)));
-  EXPECT_EQ(stats.active, 3);
 }
 
 TEST(BoxQp, AcceptsInfeasibleStarts) {

@@ -76,11 +76,9 @@ struct WholeBodyController::Foot {
   std::optional<Pose> landed = {};    // Pose at an early landing.
 };
 
-WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robot& robot,
-                                         const ControlGains& gains)
+WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robot& robot)
     : physics_(physics),
       robot_(robot),
-      gains_(gains),
       weight_(physics.mass * kGravity),
       joint_count_(static_cast<int>(physics.joints.size())),
       qp_(joint_count_ + kEdges * static_cast<int>(kMaxPointsInAll)) {
@@ -134,9 +132,9 @@ const ControlStep& WholeBodyController::compute(const ReferenceState& reference,
   move_feet(reference, time_step, data);
   tasks_->begin(input_count_);
   add_centroid(reference, data);
-  add_root(reference, data);
+  add_root(data);
   add_feet(reference, data);
-  add_joints(reference, data);
+  add_joints(data);
   solve(reference);
   return step_;
 }
@@ -289,7 +287,7 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
   tasks_->add(moment, rate, gains_.spin_weight);
 }
 
-void WholeBodyController::add_root(const ReferenceState&, mjData_* data) {
+void WholeBodyController::add_root(mjData_* data) {
   const Eigen::Quaterniond current = rotation_of(data->qpos + 3);
   const Eigen::Quaterniond current_from_desired =
       current.conjugate() * rotation_of(wanted_positions_.data() + 3);
@@ -328,7 +326,7 @@ void WholeBodyController::add_feet(const ReferenceState& reference, mjData_* dat
   }
 }
 
-void WholeBodyController::add_joints(const ReferenceState&, mjData_* data) {
+void WholeBodyController::add_joints(mjData_* data) {
   const auto n = static_cast<Eigen::Index>(joint_count_);
   const Eigen::Map<const Eigen::VectorXd> positions(data->qpos + 7, n), rates(data->qvel + 6, n);
   const Eigen::VectorXd desired = wanted_accelerations_.tail(n) +

@@ -44,30 +44,12 @@ struct ControlStep {
   bool converged = true;    ///< Whether the QP was solved; if not, the torques are 0.
 };
 
-/// Tracks a motion by a quadratic program in the joint torques t and the amounts c of the edges of
-/// friction pyramids at the points near the floor:
-///
-///     min  sum_k w_k^2 |T_k(t, c) - desired_k|^2 + small costs of t and c
-///     with |t| <= limits, c >= 0
-///
-/// T_k are the acceleration of the centre of mass and the rate of the angular momentum, which
-/// depend only on c, and the accelerations of the root's rotation, the feet and the joints. The
-/// joint accelerations are M^-1 (S' t + J' E c - h). The dynamics therefore hold exactly and all
-/// constraints are bounds, so that BoxQp solves the program exactly. The desired acceleration of a
-/// task is that of the reference, plus stiffness times position error, plus damping times velocity
-/// error.
-///
-/// Capture steps keep the balance: the target of a swing foot is shifted by the error of the
-/// capture point, and the foot keeps its shift while it stands. The body then follows its standing
-/// feet: the target of the centre of mass is shifted by the mean shift of the feet, the offset.
-/// Each step reduces the offset by a tenth. In flight, the feet keep their height relative to the
-/// centre of mass. A foot that lands early is held where it landed.
+/// Tracks a motion by a quadratic program in the joint torques and the contact forces, and keeps
+/// the balance by capture steps (docs/simulation.md, "Controller").
 class WholeBodyController {
  public:
   /// Keeps references to the model and the robot.
-  /// @param gains  gains for a robot of a G1's size; scaled to the robot's size.
-  WholeBodyController(const PhysicsModel& physics, const Robot& robot,
-                      const ControlGains& gains = {});
+  WholeBodyController(const PhysicsModel& physics, const Robot& robot);
   ~WholeBodyController();
 
   /// Computes the torques of a control step. The result is valid until the next call.
@@ -88,14 +70,14 @@ class WholeBodyController {
   [[nodiscard]] bool is_down(const Foot& foot) const;
   [[nodiscard]] bool bears(int point, const ReferenceState& reference) const;
   void add_centroid(const ReferenceState& reference, mjData_* data);
-  void add_root(const ReferenceState& reference, mjData_* data);
+  void add_root(mjData_* data);
   void add_feet(const ReferenceState& reference, mjData_* data);
-  void add_joints(const ReferenceState& reference, mjData_* data);
+  void add_joints(mjData_* data);
   void solve(const ReferenceState& reference);
 
   const PhysicsModel& physics_;
   const Robot& robot_;
-  ControlGains gains_;
+  ControlGains gains_;  // Scaled to the size of the robot.
   double weight_, lever_;
   int joint_count_, input_count_ = 0;
   std::vector<Foot> feet_;
@@ -105,7 +87,7 @@ class WholeBodyController {
   std::vector<Eigen::Vector3d> places_;  // Positions of step_.points, world, metres.
   // By input, a torque or an edge force: generalised force, and the acceleration that it causes.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inputs_, response_;
-  Eigen::VectorXd free_, target_;  // Accelerations without inputs; positions of the reference.
+  Eigen::VectorXd free_;  // Accelerations without inputs.
   Eigen::VectorXd wanted_rates_, wanted_accelerations_, wanted_positions_;
   std::unique_ptr<Tasks> tasks_;
   BoxQp qp_;

@@ -53,6 +53,15 @@ constexpr double kUsualRange = 1.6;  // Range assumed for joints without limits,
 constexpr double kMaxStep = 0.7;     // Largest step, as a share of the range.
 constexpr int kStepsPerFrame = 12;
 constexpr int kStepsOfSearch = 60;
+// Weights of the residuals. They enter the cost squared.
+constexpr double kDirectionWeight = 1.0;  // Direction errors (of unit vectors) of a whole finger.
+// The same of the thumb. Lower, because a robot's thumb has another position in the palm than a
+// human's.
+constexpr double kThumbDirectionWeight = 0.35;
+constexpr double kGapWeight = 0.4;     // Gaps of fingers far from the thumb, per finger length.
+constexpr double kTouchWeight = 8.0;   // Gaps of fingers that touch the thumb, per finger length.
+constexpr double kRestWeight = 0.07;   // Distance to the relaxed hand, per joint range.
+constexpr double kStillWeight = 0.15;  // Distance to the previous frame, per joint range.
 
 std::size_t slot(int index) {
   return static_cast<std::size_t>(index);
@@ -60,11 +69,9 @@ std::size_t slot(int index) {
 
 }  // namespace
 
-HandSolver::HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper,
-                       const HandWeights& weights)
+HandSolver::HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper)
     : hand_(hand),
       match_(hand),
-      weights_(weights),
       lower_(std::move(lower)),
       upper_(std::move(upper)),
       posture_(hand),
@@ -127,7 +134,7 @@ double HandSolver::add_directions(const HandTarget& target, std::size_t index,
     const Eigen::Vector3d to = posture_.point(finger, k + 1, to_joint);
     const double length = (to - from).norm();
     if (!(length > 0.0)) continue;
-    const double weight = (is_thumb ? weights_.thumb_direction : weights_.direction) *
+    const double weight = (is_thumb ? kThumbDirectionWeight : kDirectionWeight) *
                           std::sqrt(shares[slot(k + 1)] - shares[slot(k)]);
     const Eigen::Vector3d way = (to - from) / length;
     const Eigen::Vector3d residual = way - hand_.palm_axes * parts.directions[slot(k)];
@@ -153,7 +160,7 @@ double HandSolver::add_gap(const HandTarget& target, const RobotFinger& finger,
   const double distance = std::sqrt((b - a).squaredNorm() + kSmall * kSmall);
   const double wanted = target.gap[f] + finger.tip_radius + thumb.tip_radius;
   const double weight =
-      (weights_.gap + (weights_.touch - weights_.gap) * target.touch[f]) / finger.length;
+      (kGapWeight + (kTouchWeight - kGapWeight) * target.touch[f]) / finger.length;
   jacobian_.setZero();
   add_jacobian(finger.joints.back(), b, 1.0);
   add_jacobian(thumb.joints.back(), a, -1.0);
@@ -182,8 +189,8 @@ double HandSolver::evaluate(const HandTarget& target, const Eigen::VectorXd& var
       matrix(i, i) += weight * weight;
     }
   };
-  pull(relaxed_, weights_.rest);
-  if (previous != nullptr) pull(*previous, weights_.still);
+  pull(relaxed_, kRestWeight);
+  if (previous != nullptr) pull(*previous, kStillWeight);
   for (std::size_t i = 0; i < hand_.fingers.size(); ++i) {
     const RobotFinger& finger = hand_.fingers[i];
     // The jaws of a gripper follow only the gap.

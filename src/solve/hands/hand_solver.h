@@ -58,18 +58,6 @@ class HandPosture {
   std::vector<Pose> palm_from_joint_;
 };
 
-/// Weights of the residuals of a hand. They enter the cost squared.
-struct HandWeights {
-  double direction = 1.0;  ///< Direction errors (of unit vectors) of a whole finger.
-  /// Direction errors of the thumb. Lower, because a robot's thumb has another position in the palm
-  /// than a human's.
-  double thumb_direction = 0.35;
-  double gap = 0.4;     ///< Gap errors of fingers far from the thumb, per finger length.
-  double touch = 8.0;   ///< Gap errors of fingers that touch the thumb, per finger length.
-  double rest = 0.07;   ///< Distance of a joint to the relaxed hand, per joint range.
-  double still = 0.15;  ///< Distance of a joint to the previous frame, per joint range.
-};
-
 /// Solves for the joint positions of a hand, one frame at a time. Minimises the sum of squares of
 ///
 /// * the direction errors of finger parts, relative to the human's finger at the same fractions of
@@ -87,8 +75,7 @@ class HandSolver {
  public:
   /// @param hand   must outlive the solver.
   /// @param lower, upper  ranges of hand.variables, rad or m; may be infinite; lower <= upper.
-  HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper,
-             const HandWeights& weights = {});
+  HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper);
 
   /// Variables of the relaxed hand.
   [[nodiscard]] const Eigen::VectorXd& relaxed() const { return relaxed_; }
@@ -127,7 +114,6 @@ class HandSolver {
 
   const RobotHand& hand_;
   HandMatch match_;
-  HandWeights weights_;
   Eigen::VectorXd lower_, upper_, range_, relaxed_, open_;
   HandPosture posture_;
   PointJacobian jacobian_;

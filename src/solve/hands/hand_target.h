@@ -35,9 +35,8 @@ class HandMatch {
   /// @param hand  must outlive this object.
   explicit HandMatch(const RobotHand& hand);
 
-  [[nodiscard]] const RobotHand& hand() const { return *hand_; }
   /// Fractions of a finger's length at its corners, ascending from 0 to 1.
-  /// @param finger  index into hand().fingers.
+  /// @param finger  index into the fingers of the hand.
   [[nodiscard]] const std::vector<double>& shares(std::size_t finger) const {
     return shares_[finger];
   }

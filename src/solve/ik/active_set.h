@@ -63,10 +63,6 @@ class ActiveSet {
   };
 
   [[nodiscard]] const std::vector<BoundSide>& sides() const { return sides_; }
-  [[nodiscard]] int active_count() const {
-    return static_cast<int>(
-        std::ranges::count_if(sides_, [](BoundSide side) { return side != BoundSide::kFree; }));
-  }
 
   /// Sets the number of variables of the next problems, at most that of the constructor.
   void resize(int size) { size_ = size; }

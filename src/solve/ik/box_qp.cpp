@@ -90,13 +90,13 @@ BoxQpStats BoxQp::solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
                         Eigen::VectorXd& x) {
   if (!is_finite(H, g)) {
     x = lower.cwiseMax(upper.cwiseMin(Eigen::VectorXd::Zero(x.size())));
-    return {0, 0, false};
+    return {0, false};
   }
   workspace_->system.set(H, g);
   workspace_->active_set.resize(static_cast<int>(x.size()));
   workspace_->active_set.reset();
   const auto outcome = workspace_->active_set.solve(workspace_->system, lower, upper, x);
-  return {outcome.factorizations, workspace_->active_set.active_count(), outcome.converged};
+  return {outcome.factorizations, outcome.converged};
 }
 
 DenseLeastSquares::DenseLeastSquares(int size)

@@ -11,7 +11,6 @@ namespace retarget {
 /// Solver statistics.
 struct BoxQpStats {
   int factorizations = 0;  ///< Cholesky factorizations; 1 if no bound was reached.
-  int active = 0;          ///< Number of variables at a bound in the solution.
   /// False if H is not positive definite, a value is not finite, or the active set does not
   /// converge due to rounding.
   bool converged = true;
