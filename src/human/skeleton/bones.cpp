@@ -125,14 +125,8 @@ Eigen::Matrix3d canonical_t_pose(Bone bone) {
 }
 
 int side_colour(Side side) {
-  switch (side) {
-    case Side::kLeft:
-      return 0x5AA469;
-    case Side::kRight:
-      return 0xD0705F;
-    default:
-      return 0x8A8A8A;
-  }
+  constexpr std::array kColours = {0x8A8A8A, 0x5AA469, 0xD0705F};
+  return kColours[static_cast<std::size_t>(side)];
 }
 
 std::vector<int> joint_colours(const Skeleton& skeleton, const Calibration& calibration) {

@@ -358,25 +358,9 @@ bool needs_dynamics(const Metric& metric) {
 }
 
 std::string_view group_name(MetricGroup group) {
-  switch (group) {
-    case MetricGroup::kLimits:
-      return "limits";
-    case MetricGroup::kSmoothness:
-      return "smoothness";
-    case MetricGroup::kFeet:
-      return "feet";
-    case MetricGroup::kFloor:
-      return "floor";
-    case MetricGroup::kCollisions:
-      return "collisions";
-    case MetricGroup::kScene:
-      return "scene";
-    case MetricGroup::kSimilarity:
-      return "similarity";
-    case MetricGroup::kDynamics:
-      break;
-  }
-  return "dynamics";
+  constexpr std::array<std::string_view, kMetricGroups.size()> kNames = {
+      "limits", "smoothness", "feet", "floor", "collisions", "scene", "similarity", "dynamics"};
+  return kNames[static_cast<std::size_t>(group)];
 }
 
 MetricGroup group_of(const Metric& metric) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -39,17 +40,8 @@ void FaultList::move_to(QualityReport& report, std::size_t max) {
 namespace {
 
 std::string_view colour_of(ReportTone tone) {
-  switch (tone) {
-    case ReportTone::kGood:
-      return "32";
-    case ReportTone::kBad:
-      return "31";
-    case ReportTone::kFaint:
-      return "2";
-    case ReportTone::kPlain:
-      break;
-  }
-  return {};
+  constexpr std::array<std::string_view, 4> kColours = {"", "32", "31", "2"};
+  return kColours[static_cast<std::size_t>(tone)];
 }
 
 int decimals_of(double value) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -290,15 +291,9 @@ RobotShapes ShapeFinder::find() {
 }  // namespace
 
 std::string source_text(ShapeSource source) {
-  switch (source) {
-    case ShapeSource::kModel:
-      return "the model's contact geoms";
-    case ShapeSource::kMesh:
-      return "mesh vertices";
-    case ShapeSource::kEstimated:
-      return "estimated from the limbs' lengths";
-  }
-  return {};
+  constexpr std::array kTexts = {"the model's contact geoms", "mesh vertices",
+                                 "estimated from the limbs' lengths"};
+  return kTexts[static_cast<std::size_t>(source)];
 }
 
 RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh) {
