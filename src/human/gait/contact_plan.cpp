@@ -47,10 +47,10 @@ void phases_on_sole(const SourceFeet& source, int foot, const std::vector<Contac
   const auto is_down = [&](int frame) { return source.at(frame, foot).sole_up > kSoleUp; };
   soles.clear();
   for (const ContactPhase& phase : phases) {
-    for_each_run(phase.begin, phase.end, is_down, [&](int begin, int end) {
+    for_each_run_where(phase.begin, phase.end, is_down, [&](int begin, int end) {
       const bool long_enough = (end - begin) * source.frame_time > shortest - 1e-9;
       const bool whole = begin == phase.begin && end == phase.end;
-      if (is_down(begin) && (long_enough || whole)) soles.push_back({begin, end, phase.support});
+      if (long_enough || whole) soles.push_back({begin, end, phase.support});
     });
   }
 }
@@ -214,13 +214,12 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
 std::vector<FrameRange> foot_stances(const ContactPlan& contacts, int foot, int count,
                                      double frame_time) {
   constexpr double kSameStance = 0.1;  // Seconds.
-  const int same = std::max(1, static_cast<int>(std::lround(kSameStance / frame_time)));
+  const int same = frames_in(kSameStance, frame_time);
   std::vector<FrameRange> stances;
   const auto stands = [&](int frame) {
     return contacts.in_contact(foot, kHeelEnd, frame) || contacts.in_contact(foot, kToeEnd, frame);
   };
-  for_each_run(0, count, stands, [&](int begin, int end) {
-    if (!stands(begin)) return;
+  for_each_run_where(0, count, stands, [&](int begin, int end) {
     if (!stances.empty() && begin - stances.back().end < same) {
       stances.back().end = end;
     } else {

@@ -208,8 +208,7 @@ class FootContactFinder {
       return !stands(frame, kToeEnd) && height(frame, kToeEnd) > min_height &&
              is_still_above_floor(frame, ends);
     };
-    for_each_run(0, frames_, is_free_and_still, [&](int begin, int end) {
-      if (!is_free_and_still(begin)) return;
+    for_each_run_where(0, frames_, is_free_and_still, [&](int begin, int end) {
       const ContactPhase part = longest_in_place(begin, end, ends);
       if (!lasts(part.end - part.begin, min_time)) return;
       int alone = 0;
@@ -221,16 +220,11 @@ class FootContactFinder {
   }
 
   void find_raised_stances() {
-    for_each_run(
-        0, frames_, [&](int frame) { return is_still_above_floor(frame, kBothEnds); },
-        [&](int begin, int end) {
-          if (!is_still_above_floor(begin, kBothEnds) ||
-              !lasts(end - begin, options_->support_time) ||
-              end_in_place(begin, end, kBothEnds) < end) {
-            return;
-          }
-          add_raised_stance(begin, end);
-        });
+    const auto is_still = [&](int frame) { return is_still_above_floor(frame, kBothEnds); };
+    for_each_run_where(0, frames_, is_still, [&](int begin, int end) {
+      if (!lasts(end - begin, options_->support_time)) return;
+      if (end_in_place(begin, end, kBothEnds) == end) add_raised_stance(begin, end);
+    });
   }
 
   // Marks the frames of a raised stance, and the frames around it in which this end is already, or
@@ -306,7 +300,7 @@ class FootContactFinder {
 bool is_held_up(const SourceFeet& source, int frame) {
   constexpr double kReach = 1.0 / 30.0;        // Seconds.
   constexpr double kFalls = -0.65 * kGravity;  // m/s^2
-  const int half = std::max(1, static_cast<int>(std::lround(kReach / source.frame_time)));
+  const int half = frames_in(kReach, source.frame_time);
   const int frames = static_cast<int>(source.hips.size());
   if (frame - half < 0 || frame + half >= frames) return false;
   const auto hips = [&](int t) { return source.hips[static_cast<std::size_t>(t)]; };

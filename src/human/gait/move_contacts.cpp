@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/skeleton/human_clip.h"
@@ -91,9 +92,6 @@ class ContactMover {
 
  private:
   [[nodiscard]] double frame_time() const { return clip_.rate().frame_time(); }
-  [[nodiscard]] int frames_in(double seconds) const {
-    return std::max(1, static_cast<int>(std::lround(seconds / frame_time())));
-  }
 
   void find_body() {
     body_.assign(at_frame(count_), Vector3d::Zero());
@@ -146,7 +144,7 @@ class ContactMover {
         }
       }
     }
-    const int half = frames_in(kHalfWindow);
+    const int half = frames_in(kHalfWindow, frame_time());
     Track lower(at_frame(count_), Vector3d::Zero());
     for (int i = 0; i < count_; ++i) {
       const auto begin = high.begin() + std::max(0, i - half);
@@ -159,7 +157,7 @@ class ContactMover {
 
   // Means with biweight weights.
   [[nodiscard]] Track smoothed(const Track& raw) const {
-    const int half = frames_in(kHalfWindow);
+    const int half = frames_in(kHalfWindow, frame_time());
     Track means;
     for (int i = 0; i < count_; ++i) {
       Vector3d sum = Vector3d::Zero();
@@ -177,7 +175,7 @@ class ContactMover {
   // Displacements of a hand: as given in contact, otherwise those of the body.
   [[nodiscard]] Track hand_offsets(const std::vector<ContactMove>& moves) const {
     Track offsets = body_;
-    const int fade = frames_in(kHandFade);
+    const int fade = frames_in(kHandFade, frame_time());
     std::vector<double> free(at_frame(count_), 1.0);
     for (const ContactMove& move : moves) {
       const auto pull = [&](int frame, const Vector3d& to, double share) {

@@ -8,6 +8,7 @@
 
 #include "base/math/banded_system.h"
 #include "human/gait/contact_plan.h"
+#include "human/gait/end_tracks.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/skeleton/human_clip.h"
@@ -230,9 +231,7 @@ class NoisyFootPlanter {
     const auto legs = find_legs(clip_.skeleton(), calibration_);
     if (!legs[0] || !legs[1]) return {};
     read_feet();
-    const bool whole =
-        feet_.foot_count == 2 && feet_.has_toe[0] && feet_.has_toe[1] && feet_.frame_count() >= 3;
-    if (!whole) return {};
+    if (!has_whole_feet(feet_)) return {};
     reach_ = kErrors * noise_distance_ * feet_.leg_length() / kUsualSourceLeg;
     const NoisyStances stances = find_noisy_stances(feet_, noise_speed_);
     for (int foot = 0; foot < 2; ++foot) {
@@ -263,12 +262,10 @@ class NoisyFootPlanter {
   [[nodiscard]] std::vector<HeldEnd> held(const Track& track,
                                           const std::vector<char>& stands) const {
     std::vector<HeldEnd> stances;
-    for_each_run(
-        0, feet_.frame_count(), [&](int i) { return stands[static_cast<std::size_t>(i)]; },
-        [&](int begin, int end) {
-          if (stands[static_cast<std::size_t>(begin)] == 0) return;
-          stances.push_back({begin, end, median_of(track, begin, end)});
-        });
+    const auto is_held = [&](int frame) { return stands[static_cast<std::size_t>(frame)] != 0; };
+    for_each_run_where(0, feet_.frame_count(), is_held, [&](int begin, int end) {
+      stances.push_back({begin, end, median_of(track, begin, end)});
+    });
     return stances;
   }
 

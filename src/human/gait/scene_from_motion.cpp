@@ -107,15 +107,15 @@ class RestFinder {
   [[nodiscard]] bool carries(int foot, const ContactPhase& stance) const {
     if (feet_.foot_count < 2) return true;
     double longest = 0.0;
-    const auto other_is_lower = [&](int frame) {
-      return std::ranges::any_of(
+    const auto no_other_is_lower = [&](int frame) {
+      return std::ranges::none_of(
           contacts_.phases[static_cast<std::size_t>(1 - foot)], [&](const ContactPhase& other) {
             return frame >= other.begin && frame < other.end &&
                    other.support < stance.support - 0.5 * kLowestSurface * scale_;
           });
     };
-    for_each_run(stance.begin, stance.end, other_is_lower, [&](int begin, int end) {
-      if (!other_is_lower(begin)) longest = std::max(longest, (end - begin) * frame_time());
+    for_each_run_where(stance.begin, stance.end, no_other_is_lower, [&](int begin, int end) {
+      longest = std::max(longest, (end - begin) * frame_time());
     });
     return longest >= kAlone;
   }
@@ -155,8 +155,8 @@ class RestFinder {
     const auto rests = [&](int frame) {
       return speed(Bone::kHips, frame) < kStillSpeed * scale_ && sits(frame);
     };
-    for_each_run(0, human_.frame_count, rests, [&](int begin, int end) {
-      if (!rests(begin) || (end - begin) * frame_time() < kShortestRest) return;
+    for_each_run_where(0, human_.frame_count, rests, [&](int begin, int end) {
+      if ((end - begin) * frame_time() < kShortestRest) return;
       std::vector<double> heights;
       Vector2d middle = Vector2d::Zero();
       for (int frame = begin; frame < end; ++frame) {

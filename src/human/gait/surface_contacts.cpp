@@ -70,16 +70,12 @@ class SurfaceContactFinder {
   void find(std::vector<SurfacePhase>& phases) const {
     std::vector<char> touches(distances_.size());
     if (!take_stated(touches)) detect(touches);
-    for_each_run(
-        0, static_cast<int>(touches.size()),
-        [&](int frame) { return touches[static_cast<std::size_t>(frame)]; },
-        [&](int begin, int end) {
-          if (touches[static_cast<std::size_t>(begin)] == 0 ||
-              (end - begin) * frame_time_ < shortest_ - 1e-9) {
-            return;
-          }
-          phases.push_back(phase(begin, end));
-        });
+    const auto in_contact = [&](int frame) {
+      return touches[static_cast<std::size_t>(frame)] != 0;
+    };
+    for_each_run_where(0, static_cast<int>(touches.size()), in_contact, [&](int begin, int end) {
+      if ((end - begin) * frame_time_ >= shortest_ - 1e-9) phases.push_back(phase(begin, end));
+    });
   }
 
  private:
@@ -106,7 +102,7 @@ class SurfaceContactFinder {
 
   // Speed of the nearest point over the surface and of the distance, m/s.
   [[nodiscard]] double speed(int frame) const {
-    const int half = std::max(1, static_cast<int>(std::lround(1.0 / 30.0 / frame_time_)));
+    const int half = frames_in(1.0 / 30.0, frame_time_);
     const int last = static_cast<int>(places_.size()) - 1;
     const auto from = static_cast<std::size_t>(std::max(0, frame - half));
     const auto to = static_cast<std::size_t>(std::min(last, frame + half));
@@ -121,17 +117,14 @@ class SurfaceContactFinder {
   void bridge_gaps(std::vector<char>& touches) const {
     constexpr double kGap = 0.1;  // Seconds.
     const int count = static_cast<int>(touches.size());
-    for_each_run(
-        0, count, [&](int frame) { return touches[static_cast<std::size_t>(frame)]; },
-        [&](int begin, int end) {
-          const bool gap = touches[static_cast<std::size_t>(begin)] == 0 && begin > 0 &&
-                           end < count && (end - begin) * frame_time_ <= kGap;
-          if (!gap) return;
-          for (int frame = begin; frame < end; ++frame) {
-            if (distances_[static_cast<std::size_t>(frame)] > kEndDistance * size_) return;
-          }
-          std::fill(touches.begin() + begin, touches.begin() + end, char{1});
-        });
+    const auto is_free = [&](int frame) { return touches[static_cast<std::size_t>(frame)] == 0; };
+    for_each_run_where(0, count, is_free, [&](int begin, int end) {
+      if (begin == 0 || end == count || (end - begin) * frame_time_ > kGap) return;
+      for (int frame = begin; frame < end; ++frame) {
+        if (distances_[static_cast<std::size_t>(frame)] > kEndDistance * size_) return;
+      }
+      std::fill(touches.begin() + begin, touches.begin() + end, char{1});
+    });
   }
 
   [[nodiscard]] SurfacePhase phase(int begin, int end) const {

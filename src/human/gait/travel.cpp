@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/source_feet.h"
@@ -30,10 +31,6 @@ constexpr double kNoOffset = 1e-12;  // Metres.
 
 std::size_t at(int frame) {
   return static_cast<std::size_t>(frame);
-}
-
-int frames_in(double seconds, double frame_time) {
-  return std::max(1, static_cast<int>(std::lround(seconds / frame_time)));
 }
 
 // Speeds of a path over the ground, m/s: means with biweight weights.

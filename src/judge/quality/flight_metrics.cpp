@@ -36,23 +36,23 @@ bool hips_fall(const HumanClip& human, const SourceFlight& flight) {
 }  // namespace
 
 std::vector<SourceFlight> find_flights(const HumanClip& human, const ContactPlan& contacts,
-                                       int frames, const ContactOptions& options) {
+                                       int frames) {
+  const ContactOptions options;
   std::vector<SourceFlight> flights;
   if (contacts.phases[0].empty() && contacts.phases[1].empty()) return flights;
-  SourceFlight flight;
-  bool aloft = false;
-  for (int frame = 0; frame <= frames; ++frame) {
-    const double height = frame < frames ? clearance(human, contacts, frame) : 0.0;
-    const bool now = height > options.begin_height * contacts.scale;
-    if (now && !aloft) flight = {frame, frame, 0.0};
-    if (now) flight.peak = std::max(flight.peak, height);
-    if (!now && aloft) {
-      flight.end = frame;
-      const double time = (flight.end - flight.begin) * human.rate.frame_time();
-      if (time > options.shortest - 1e-9 && hips_fall(human, flight)) flights.push_back(flight);
-    }
-    aloft = now;
+  std::vector<double> heights;
+  for (int frame = 0; frame < frames; ++frame) {
+    heights.push_back(clearance(human, contacts, frame));
   }
+  const auto is_aloft = [&](int frame) {
+    return heights[static_cast<std::size_t>(frame)] > options.begin_height * contacts.scale;
+  };
+  for_each_run_where(0, frames, is_aloft, [&](int begin, int end) {
+    const double peak = *std::max_element(heights.begin() + begin, heights.begin() + end);
+    const SourceFlight flight{begin, end, peak};
+    const double time = (end - begin) * human.rate.frame_time();
+    if (time > options.shortest - 1e-9 && hips_fall(human, flight)) flights.push_back(flight);
+  });
   return flights;
 }
 

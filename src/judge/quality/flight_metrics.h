@@ -27,8 +27,7 @@ struct SourceFlight {
 /// centre of mass.
 /// @param frames  number of frames to search.
 [[nodiscard]] std::vector<SourceFlight> find_flights(const HumanClip& human,
-                                                     const ContactPlan& contacts, int frames,
-                                                     const ContactOptions& options = {});
+                                                     const ContactPlan& contacts, int frames);
 
 /// Measures the peak height of the robot's soles in the source's flights.
 /// @param scale  scale from the source's to the robot's foot paths.

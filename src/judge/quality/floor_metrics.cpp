@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "human/gait/frame_runs.h"
 #include "judge/quality/contact_motion.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/human.h"
@@ -55,6 +56,20 @@ void measure_flat_slip(const ReportBuilder& draft, const BodyTracks& tracks) {
   draft.set("flat_slip_p95", percentile(std::move(slips), 95.0));
 }
 
+// Adds a fault for each frame with a deep contact. @return the largest depth, metres.
+double deepest_of(const ReportBuilder& draft, const std::vector<SelfContact>& contacts,
+                  FaultList& faults) {
+  double deepest = 0.0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const SelfContact& contact = contacts[i];
+    deepest = std::max(deepest, contact.depth);
+    if (contact.depth <= kDeep) continue;
+    faults.add(name_of(draft, contact.body_a) + " in " + name_of(draft, contact.body_b),
+               static_cast<int>(i), contact.depth);
+  }
+  return deepest;
+}
+
 void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) {
   if (tracks.self_contact.empty()) return;
   int deep = 0;
@@ -67,17 +82,11 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
   draft.set("self_max_cm", kInCm * deepest);
 
   FaultList faults("self_all_1cm_pct", "m");
-  deep = 0;
-  deepest = 0.0;
-  for (std::size_t i = 0; i < tracks.self_contact.size(); ++i) {
-    const SelfContact& contact = tracks.self_contact[i];
-    deepest = std::max(deepest, contact.depth);
-    if (contact.depth <= kDeep) continue;
-    ++deep;
-    faults.add(name_of(draft, contact.body_a) + " in " + name_of(draft, contact.body_b),
-               static_cast<int>(i), contact.depth);
-  }
-  draft.set("self_all_1cm_pct", percent(deep, static_cast<double>(tracks.self_contact.size())));
+  deepest = deepest_of(draft, tracks.self_contact, faults);
+  const auto all_deep = std::ranges::count_if(
+      tracks.self_contact, [](const SelfContact& contact) { return contact.depth > kDeep; });
+  draft.set("self_all_1cm_pct",
+            percent(static_cast<int>(all_deep), static_cast<double>(tracks.self_contact.size())));
   draft.set("self_all_max_cm", kInCm * deepest);
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
@@ -85,15 +94,7 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
 void measure_crossings(const ReportBuilder& draft, const BodyTracks& tracks) {
   if (tracks.crossings.empty()) return;
   FaultList faults("self_crossing_max_cm", "m");
-  double deepest = 0.0;
-  for (std::size_t i = 0; i < tracks.crossings.size(); ++i) {
-    const SelfContact& crossing = tracks.crossings[i];
-    deepest = std::max(deepest, crossing.depth);
-    if (crossing.depth <= kDeep) continue;
-    faults.add(name_of(draft, crossing.body_a) + " in " + name_of(draft, crossing.body_b),
-               static_cast<int>(i), crossing.depth);
-  }
-  draft.set("self_crossing_max_cm", kInCm * deepest);
+  draft.set("self_crossing_max_cm", kInCm * deepest_of(draft, tracks.crossings, faults));
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
@@ -128,13 +129,10 @@ std::vector<ContactPhase> while_upright(const std::vector<ContactPhase>& phases,
                                         const Posture& posture) {
   std::vector<ContactPhase> parts;
   for (const ContactPhase& phase : phases) {
-    bool was_upright = false;
-    for (int frame = phase.begin; frame < phase.end; ++frame) {
-      const bool upright = posture.is_upright(frame);
-      if (upright && !was_upright) parts.push_back({frame, frame, phase.support});
-      if (upright) parts.back().end = frame + 1;
-      was_upright = upright;
-    }
+    const auto is_upright = [&](int frame) { return posture.is_upright(frame); };
+    for_each_run_where(phase.begin, phase.end, is_upright, [&](int begin, int end) {
+      parts.push_back({begin, end, phase.support});
+    });
   }
   return parts;
 }
