@@ -35,7 +35,14 @@ void bridge_body(Clip& clip, FrameRange gap) {
   const auto joints = static_cast<std::size_t>(clip.skeleton().joint_count());
   for (std::size_t joint = 0; joint < joints; ++joint) bridge_rotations(clip, joint, gap);
   const std::size_t slots = std::as_const(clip).translations(gap.begin).size();
-  for (std::size_t slot = 0; slot < slots; ++slot) bridge_translations(clip, slot, gap);
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    bool still = true;
+    for (int frame = gap.begin + 1; frame < gap.end; ++frame) {
+      still = still && std::as_const(clip).translations(frame)[slot] ==
+                           std::as_const(clip).translations(gap.begin)[slot];
+    }
+    if (still) bridge_translations(clip, slot, gap);
+  }
 }
 
 }  // namespace retarget

@@ -13,7 +13,8 @@ void bridge_rotations(Clip& clip, std::size_t joint, FrameRange gap);
 /// Interpolates the translations of a slot (Skeleton::translation_slot) likewise.
 void bridge_translations(Clip& clip, std::size_t slot, FrameRange gap);
 
-/// Interpolates the rotations and translations of all joints.
+/// Interpolates the rotations of all joints, and the translations that do not change in the gap:
+/// others are not lost.
 void bridge_body(Clip& clip, FrameRange gap);
 
 }  // namespace retarget

@@ -209,21 +209,6 @@ std::vector<FrameRange> find_lost_runs(const Clip& clip, FrameRange part) {
   return lost;
 }
 
-// Translations that change in the run are not lost.
-void bridge_lost_run(Clip& clip, FrameRange run) {
-  const auto joints = static_cast<std::size_t>(clip.skeleton().joint_count());
-  for (std::size_t joint = 0; joint < joints; ++joint) bridge_rotations(clip, joint, run);
-  const std::size_t slots = std::as_const(clip).translations(run.begin).size();
-  for (std::size_t slot = 0; slot < slots; ++slot) {
-    bool still = true;
-    for (int frame = run.begin + 1; frame < run.end; ++frame) {
-      still = still && std::as_const(clip).translations(frame)[slot] ==
-                           std::as_const(clip).translations(run.begin)[slot];
-    }
-    if (still) bridge_translations(clip, slot, run);
-  }
-}
-
 // Clips in which more than a third of the frames are frozen or lost do not show their movement.
 bool are_too_many(int frames, FrameRange part) {
   return 3 * frames > part.end - part.begin;
@@ -236,7 +221,7 @@ int bridge_lost_frames(Clip& clip, FrameRange part) {
   int lost = 0;
   for (const FrameRange& run : runs) lost += run.end - run.begin;
   if (are_too_many(lost, part)) return 0;
-  for (const FrameRange& run : runs) bridge_lost_run(clip, run);
+  for (const FrameRange& run : runs) bridge_body(clip, run);
   return lost;
 }
 

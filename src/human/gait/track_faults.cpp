@@ -10,6 +10,7 @@
 
 #include "human/gait/bridge_frames.h"
 #include "human/gait/frame_runs.h"
+#include "human/skeleton/limb_segments.h"
 #include "retarget/human_poser.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
@@ -91,8 +92,8 @@ std::vector<FrameRange> zero_runs(const Clip& clip, int joint, FrameRange part,
     return zero_poses[static_cast<std::size_t>(frame)] == 0 && is_zero(clip.rotations(frame)[at]);
   };
   std::vector<FrameRange> runs;
-  for_each_run(part.begin, part.end, is_lost, [&](int begin, int end) {
-    if (!is_lost(begin) || begin == part.begin || end == part.end) return;
+  for_each_run_where(part.begin, part.end, is_lost, [&](int begin, int end) {
+    if (begin == part.begin || end == part.end) return;
     if ((end - begin) * clip.rate().frame_time() > kLongest) return;
     runs.push_back({begin, end});
   });
@@ -160,19 +161,6 @@ std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
 
 namespace {
 
-// A leg or an arm: the bone that it hangs on, its upper and lower bone and the joint at its end.
-struct LimbBones {
-  const char* name;
-  Bone base, upper, lower, end;
-};
-
-constexpr std::array kTrackedLimbs = {
-    LimbBones{"left leg", Bone::kHips, Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot},
-    LimbBones{"right leg", Bone::kHips, Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot},
-    LimbBones{"left arm", Bone::kLeftShoulder, Bone::kLeftArm, Bone::kLeftForeArm, Bone::kLeftHand},
-    LimbBones{"right arm", Bone::kRightShoulder, Bone::kRightArm, Bone::kRightForeArm,
-              Bone::kRightHand}};
-
 // The rotations of a limb's joints in a frame, and how far they get from those of the first frame.
 class LimbMovement {
  public:
@@ -225,9 +213,9 @@ StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration) {
   const HumanClipInfo human = poser.info();
   HumanPose pose;
   poser.pose(0, pose);
-  std::array<std::optional<LimbMovement>, kTrackedLimbs.size()> limbs;
+  std::array<std::optional<LimbMovement>, kLimbs.size()> limbs;
   for (std::size_t i = 0; i < limbs.size(); ++i) {
-    const LimbBones& limb = kTrackedLimbs[i];
+    const LimbBones& limb = kLimbs[i];
     if (!human.has(limb.upper) || !human.has(limb.lower) || !human.has(limb.end)) continue;
     limbs[i].emplace(limb, base_of(human, limb), pose);
   }
@@ -244,7 +232,7 @@ StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration) {
     const bool leg = i < 2;
     if (!is_still(limbs[i]) || !moves(limbs[i ^ 1])) continue;
     if (leg ? !limbs[i]->travels() : !moves(limbs[0]) && !moves(limbs[1])) continue;
-    still.names.emplace_back(kTrackedLimbs[i].name);
+    still.names.emplace_back(kLimbs[i].name);
     still.leg = still.leg || leg;
   }
   return still;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,21 @@ struct BodySource {
     return length;
   }
 };
+
+/// The bones of a limb from the trunk outwards, and whether a human must have them.
+struct LimbRow {
+  LimbBone bone;
+  bool required;
+};
+using LimbRows = std::array<LimbRow, 4>;
+inline constexpr LimbRows kLegRows = {{{LimbBone::kUpLeg, true},
+                                       {LimbBone::kLeg, true},
+                                       {LimbBone::kFoot, true},
+                                       {LimbBone::kToe, false}}};
+inline constexpr LimbRows kArmRows = {{{LimbBone::kShoulder, false},
+                                       {LimbBone::kArm, true},
+                                       {LimbBone::kForeArm, true},
+                                       {LimbBone::kHand, false}}};
 
 /// A map that still needs verification, nothing, or an error when candidate joints tie. Errors here
 /// and below name no file.

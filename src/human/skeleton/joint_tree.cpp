@@ -8,6 +8,7 @@
 
 #include "human/skeleton/candidate.h"
 #include "human/skeleton/joint_names.h"
+#include "human/skeleton/limb_segments.h"
 #include "retarget/statistics.h"
 
 namespace retarget {
@@ -20,15 +21,6 @@ using Eigen::Vector3d;
 constexpr double kNeeded = 1.0;
 // Lengths break ties between names of equal weight.
 constexpr double kLengthWeight = 1e-3;
-
-struct LimbRole {
-  LimbBone bone;
-  bool needed;
-};
-using LimbRoles = std::array<LimbRole, 4>;
-constexpr LimbRoles kLegRoles = {{{kUpLeg, true}, {kLeg, true}, {kFoot, true}, {kToe, false}}};
-constexpr LimbRoles kArmRoles = {
-    {{kShoulder, false}, {kArm, true}, {kForeArm, true}, {kHand, false}}};
 
 // A name without its trailing number, and the number. Names that end in `end` follow all numbers.
 struct NumberedName {
@@ -65,8 +57,8 @@ class TreeMaker {
 
   std::optional<JointTree> make() {
     for (const Side side : kSides) {
-      choose_limb(side, kLegRoles);
-      choose_limb(side, kArmRoles);
+      choose_limb(side, kLegRows);
+      choose_limb(side, kArmRows);
     }
     const auto& bones = tree_.joint_of_bone;
     const bool legs = bones[Bone::kLeftUpLeg] >= 0 && bones[Bone::kRightUpLeg] >= 0;
@@ -106,7 +98,7 @@ class TreeMaker {
   }
 
   // Chooses the combination of joints whose names fit the limb best.
-  void choose_limb(Side side, const LimbRoles& parts) {
+  void choose_limb(Side side, const LimbRows& parts) {
     std::array<std::vector<int>, 4> candidates;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       constexpr std::size_t kMost = 8;
@@ -122,7 +114,7 @@ class TreeMaker {
       for (std::size_t i = 0; i < parts.size(); ++i) {
         if (chosen[i] < 0) continue;
         score += weight(chosen[i], side_bone(side, parts[i].bone));
-        if (parts[i].needed) score += kNeeded;
+        if (parts[i].required) score += kNeeded;
         if (before >= 0 && size_ > 0.0) {
           score -= kLengthWeight * distance(before, chosen[i]) / size_;
         }
@@ -238,7 +230,7 @@ class TreeMaker {
     for (std::size_t i = 1; i < trunk_.size(); ++i) hang(trunk_[i], trunk_[i - 1]);
     std::vector<int> body = trunk_;
     for (const Side side : kSides) {
-      for (const LimbRoles& limb : {kLegRoles, kArmRoles}) {
+      for (const LimbRows& limb : {kLegRows, kArmRows}) {
         int parent = limb[0].bone == kUpLeg ? trunk_.front() : torso_;
         for (const auto& [part, needed] : limb) {
           const int joint = tree_.joint_of_bone[side_bone(side, part)];
@@ -307,9 +299,6 @@ std::optional<Length> length_between(const JointTree& tree, Bone from, Bone to) 
   return found;
 }
 
-constexpr std::array<std::pair<LimbBone, LimbBone>, 4> kLimbs = {
-    {{kUpLeg, kLeg}, {kLeg, kFoot}, {kArm, kForeArm}, {kForeArm, kHand}}};
-
 bool is_within(double value, double low, double high) {
   return value >= low && value <= high;
 }
@@ -350,7 +339,7 @@ std::optional<JointTree> joint_tree(const JointMotion& motion,
 
 double limb_length_change(const JointTree& tree) {
   double most = 0.0;
-  for (const auto& [from, to] : kLimbs) {
+  for (const auto& [from, to] : kLimbParts) {
     for (const Side side : kSides) {
       const auto length = length_between(tree, side_bone(side, from), side_bone(side, to));
       if (length && length->mean > 0.0) most = std::max(most, length->deviation / length->mean);
@@ -363,8 +352,8 @@ std::optional<double> misfit_of_body(const JointTree& tree) {
   constexpr double kMostChange = 0.2, kMostUnlike = 0.25;
   double misfit = 0.0;
   std::array<double, 4> lengths{};
-  for (std::size_t i = 0; i < kLimbs.size(); ++i) {
-    const auto [from, to] = kLimbs[i];
+  for (std::size_t i = 0; i < kLimbParts.size(); ++i) {
+    const auto [from, to] = kLimbParts[i];
     const auto left =
         length_between(tree, side_bone(Side::kLeft, from), side_bone(Side::kLeft, to));
     const auto right =

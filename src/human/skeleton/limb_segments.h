@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <utility>
 
 #include "retarget/human.h"
 
@@ -44,5 +45,24 @@ inline constexpr std::array<LimbSegment, 11> kLimbSegments = {{
     segment_between("hip line", Bone::kRightUpLeg, Bone::kLeftUpLeg),
     segment_between("shoulder line", Bone::kRightArm, Bone::kLeftArm),
 }};
+
+/// The segments of legs and arms on one side, by the bones at their ends.
+inline constexpr std::array<std::pair<LimbBone, LimbBone>, 4> kLimbParts = {
+    {{LimbBone::kUpLeg, LimbBone::kLeg},
+     {LimbBone::kLeg, LimbBone::kFoot},
+     {LimbBone::kArm, LimbBone::kForeArm},
+     {LimbBone::kForeArm, LimbBone::kHand}}};
+
+/// A leg or an arm: the bone that it hangs on, its upper and lower bone and the joint at its end.
+struct LimbBones {
+  const char* name;
+  Bone base, upper, lower, end;
+};
+inline constexpr std::array kLimbs = {
+    LimbBones{"left leg", Bone::kHips, Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot},
+    LimbBones{"right leg", Bone::kHips, Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot},
+    LimbBones{"left arm", Bone::kLeftShoulder, Bone::kLeftArm, Bone::kLeftForeArm, Bone::kLeftHand},
+    LimbBones{"right arm", Bone::kRightShoulder, Bone::kRightArm, Bone::kRightForeArm,
+              Bone::kRightHand}};
 
 }  // namespace retarget

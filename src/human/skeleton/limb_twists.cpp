@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "human/skeleton/learned_axes.h"
+#include "human/skeleton/limb_segments.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/clip_range.h"
 #include "retarget/so3.h"
@@ -21,21 +22,9 @@ using enum LimbBone;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// A limb of two bones with a hinge between them.
-struct HingedLimb {
-  const char* name;
-  Bone upper, lower, end;
-};
-
-constexpr std::array<HingedLimb, 4> kHingedLimbs = {
-    {{"left leg", Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot},
-     {"right leg", Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot},
-     {"left arm", Bone::kLeftArm, Bone::kLeftForeArm, Bone::kLeftHand},
-     {"right arm", Bone::kRightArm, Bone::kRightForeArm, Bone::kRightHand}}};
-
 // Deviation of the normal of a limb's bend in a bone, rad: root mean square, weighted by the sine of
 // the bend. 0 if the limb hardly bends.
-double hinge_wander(const Body& body, const std::vector<JointPoses>& poses, const HingedLimb& limb,
+double hinge_wander(const Body& body, const std::vector<JointPoses>& poses, const LimbBones& limb,
                     Bone bone) {
   constexpr double kMinBendOfHinge = 0.35;  // Root mean square of the sine.
   std::vector<Vector3d> normals;
@@ -62,7 +51,7 @@ double hinge_wander(const Body& body, const std::vector<JointPoses>& poses, cons
 
 // The smaller deviation of a limb's two bones, rad; 0 if bones are missing.
 double limb_wander_about_hinge(const Body& body, const std::vector<JointPoses>& poses,
-                               const HingedLimb& limb) {
+                               const LimbBones& limb) {
   if (body.turning_joint(limb.upper) < 0 || body.turning_joint(limb.lower) < 0) return 0.0;
   return std::min(hinge_wander(body, poses, limb, limb.upper),
                   hinge_wander(body, poses, limb, limb.lower));
@@ -77,7 +66,7 @@ class Twister {
         calibration_(calibration),
         tracks_(rotations_from_directions(clip, body, StraightLimbs::kTurnWithTrunk)) {}
 
-  void turn(const HingedLimb& limb) {
+  void turn(const LimbBones& limb) {
     for (int frame = 0; frame < clip_.frame_count(); ++frame) {
       const JointPoses pose = frame_pose(clip_, frame);
       const Quaterniond of_upper = twist(limb.upper, pose, frame);
@@ -139,9 +128,9 @@ std::optional<Warning> let_bends_win(Clip& clip, const BoneMap& map,
   }
   if (poses.size() < kMinPosesOfBends) return std::nullopt;
   std::vector<std::string> names;
-  std::vector<HingedLimb> limbs;
+  std::vector<LimbBones> limbs;
   double largest = 0.0;
-  for (const HingedLimb& limb : kHingedLimbs) {
+  for (const LimbBones& limb : kLimbs) {
     const double wander = kDegreesPerRad * limb_wander_about_hinge(body, poses, limb);
     if (wander <= kMaxWander) continue;
     largest = std::max(largest, wander);
@@ -150,7 +139,7 @@ std::optional<Warning> let_bends_win(Clip& clip, const BoneMap& map,
   }
   if (limbs.empty()) return std::nullopt;
   Twister twister(clip, body, calibration);
-  for (const HingedLimb& limb : limbs) twister.turn(limb);
+  for (const LimbBones& limb : limbs) twister.turn(limb);
   make_sign_continuous(clip);
   return Warning{0, 0,
                  fmt::format("knees and elbows do not bend about fixed axes in {}: rotations are "

@@ -52,15 +52,6 @@ std::vector<NamedJoint> joints_called(const BodySource& source, Bone bone) {
   return found;
 }
 
-struct LimbRow {
-  LimbBone bone;
-  bool required;
-};
-using LimbRows = std::array<LimbRow, 4>;
-constexpr LimbRows kLegParts = {{{kUpLeg, true}, {kLeg, true}, {kFoot, true}, {kToe, false}}};
-constexpr LimbRows kArmParts = {
-    {{kShoulder, false}, {kArm, true}, {kForeArm, true}, {kHand, false}}};
-
 // A limb of one side, according to the joint names.
 struct NamedLimb {
   std::vector<LimbSlot> slots;
@@ -196,8 +187,8 @@ Candidate recognise_by_names(const BodySource& source) {
 
   double weight = 0.0;
   int limb_count = 0;
-  TRY_ASSIGN(const LimbPair legs, find_limbs(source, kLegParts));
-  TRY_ASSIGN(const LimbPair arms, find_limbs(source, kArmParts));
+  TRY_ASSIGN(const LimbPair legs, find_limbs(source, kLegRows));
+  TRY_ASSIGN(const LimbPair arms, find_limbs(source, kArmRows));
   for (const std::size_t side : {0, 1}) {
     for (const LimbPair* limbs : {&legs, &arms}) {
       const double limb_weight = map_limb((*limbs)[side], map);

@@ -7,6 +7,7 @@
 
 #include "human/skeleton/candidate.h"
 #include "human/skeleton/joint_names.h"
+#include "human/skeleton/limb_segments.h"
 #include "retarget/human.h"
 #include "retarget/text.h"
 
@@ -92,11 +93,9 @@ void set_neck(const BodySource& source, BoneMap& map) {
 
 // Lists joints inside limb segments. Their rotations appear in the bones beyond them.
 void add_limb_notes(const BodySource& source, BoneMap& map) {
-  static constexpr std::array<std::pair<LimbBone, LimbBone>, 4> kSegments = {
-      {{kUpLeg, kLeg}, {kLeg, kFoot}, {kArm, kForeArm}, {kForeArm, kHand}}};
   std::vector<std::string> folded;
   for (const Side side : kSides) {
-    for (const auto& [from, to] : kSegments) {
+    for (const auto& [from, to] : kLimbParts) {
       const auto inside = source.quoted_names(
           joints_between(source, map.joint(side_bone(side, from)), map.joint(side_bone(side, to))));
       folded.insert(folded.end(), inside.begin(), inside.end());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "human/skeleton/candidate.h"
+#include "human/skeleton/limb_segments.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/human.h"
@@ -77,9 +78,7 @@ void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) 
 }
 
 void check_mirrored(const BodySource& source, const BoneMap& map, Verdict& verdict) {
-  static constexpr std::array<std::pair<LimbBone, LimbBone>, 4> kSegments = {
-      {{kUpLeg, kLeg}, {kLeg, kFoot}, {kArm, kForeArm}, {kForeArm, kHand}}};
-  for (const auto& [from, to] : kSegments) {
+  for (const auto& [from, to] : kLimbParts) {
     const auto left = segment(source, map, Side::kLeft, from, to);
     const auto right = segment(source, map, Side::kRight, from, to);
     if (!left || !right) continue;
