@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/robot_human.h"
+#include "human/skeleton/skeleton_tree.h"
 #include "human/skeleton/stated_axes.h"
 #include "human/skeleton/up_axis.h"
 #include "human/skeleton/up_evidence.h"
@@ -21,39 +23,11 @@ constexpr double kLegsPerHeight = 0.491;
 
 // Bone that carries another one; the hips are the last resort.
 Bone carrier_of(Bone bone) {
-  switch (bone) {
-    case Bone::kSpine1:
-      return Bone::kSpine;
-    case Bone::kSpine2:
-      return Bone::kSpine1;
-    case Bone::kNeck:
-      return Bone::kSpine2;
-    case Bone::kHead:
-      return Bone::kNeck;
-    default:
-      break;
+  for (const std::vector<Bone>& chain : bone_chains()) {
+    const auto at = std::ranges::find(chain, bone);
+    if (at != chain.begin() && at != chain.end()) return *(at - 1);
   }
-  const std::optional<LimbBone> part = limb_bone(bone);
-  if (!part) return Bone::kHips;
-  const Side side = side_of(bone);
-  switch (*part) {
-    case kLeg:
-      return side_bone(side, kUpLeg);
-    case kFoot:
-      return side_bone(side, kLeg);
-    case kToe:
-      return side_bone(side, kFoot);
-    case kShoulder:
-      return Bone::kSpine2;
-    case kArm:
-      return side_bone(side, kShoulder);
-    case kForeArm:
-      return side_bone(side, kArm);
-    case kHand:
-      return side_bone(side, kForeArm);
-    default:
-      return Bone::kHips;
-  }
+  return Bone::kHips;
 }
 
 // Position channels precede rotation channels.
