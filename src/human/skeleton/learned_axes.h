@@ -26,22 +26,7 @@ struct LearnedAxes {
 };
 
 /// Learns the axes of the canonical bones in their joints from a movement, for skeletons without a
-/// usable rest pose. The method only uses positions and rotations, so the choice of local axes does
-/// not matter.
-///
-/// * X of limbs, collar bones, feet, neck and the spine's joints runs along the bone.
-/// * Knees and elbows bend about -Z: for thigh, shin, upper arm, forearm and hand, Z is the mean
-///   normal of the bending plane over the frames, weighted by the sine of the bend. In LAFAN1, the
-///   normals of the arms deviate from Z by 13 (upper arm), 10 (forearm) and 38 degrees (hand:
-///   people rarely hold their palms down), turned outwards, on average over twelve clips. The
-///   method subtracts these angles.
-/// * Z of hips and torso is the mean hip and shoulder line. X of the hips and of the head is the
-///   mean vertical over frames with an upright trunk (within 25 degrees).
-/// * Y of the toes is the mean vertical while the foot stands flat: its ankle is as low as in the
-///   lowest tenth of the frames, and the shin is upright.
-/// * If fewer than a fifth of the frames are upright, X of the hips is the mean direction from the
-///   hip joints to the torso's joint. Feet that never stand flat get Z from the shin and X from
-///   their toes, or from the foot, pitched as in the T-pose.
+/// usable rest pose (docs/human.md, "Learned axes" and "Rest poses compared").
 ///
 /// Bones with too little movement (arms that never bend) keep the axes of `best`. A forearm without
 /// a length continues the upper arm as in the zero pose.
