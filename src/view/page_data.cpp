@@ -6,6 +6,7 @@
 
 #include "retarget/contact_plan.h"
 #include "retarget/human_skeleton.h"
+#include "retarget/root_pose.h"
 #include "retarget/trigonometry.h"
 #include "retarget/try.h"
 #include "retarget/version.h"
@@ -165,8 +166,7 @@ Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
     positions.insert(positions.end(), qpos.begin(), qpos.begin() + 3);
-    const Eigen::Quaterniond rotation =
-        Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized();
+    const Eigen::Quaterniond rotation = root_rotation(qpos).normalized();
     rotations.insert(rotations.end(), {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
     for (const RobotJoint& joint : clip.robot().joints())
       joints.push_back(qpos[joint.qpos_address]);
@@ -289,9 +289,8 @@ Eigen::Vector2d turn_of_facing(const RobotClip& motion, const HumanClip& human, 
       canonical_t_pose(Bone::kHips).transpose() * Eigen::Vector3d::UnitX();
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = 0; frame < frames; ++frame) {
-    const auto q = motion.qpos(frame);
     const Eigen::Vector3d robot =
-        Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
+        root_rotation(motion.qpos(frame)).normalized() * Eigen::Vector3d::UnitX();
     const Eigen::Vector3d body = human.frame(frame)[Bone::kHips].rotation * forward_in_hips;
     sum += turn_between(body.head<2>(), robot.head<2>());
   }

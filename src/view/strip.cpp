@@ -8,6 +8,7 @@
 
 #include "retarget/motion.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/text.h"
 #include "retarget/view.h"
 #include "view/figure.h"
@@ -36,8 +37,7 @@ std::vector<int> spread_frames(int frame_count, int poses) {
 Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const int frame : frames) {
-    const auto q = motion.qpos(frame);
-    sum += Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
+    sum += root_rotation(motion.qpos(frame)).normalized() * Eigen::Vector3d::UnitX();
   }
   return sum;
 }

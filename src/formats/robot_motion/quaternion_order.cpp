@@ -5,6 +5,7 @@
 
 #include "retarget/pose.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 
@@ -69,8 +70,7 @@ OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw
   std::vector<Pose> world_from_body(robot.bodies().size());
   // The axis of the root that points up while the robot stands.
   const std::vector<double> zero = robot.zero_configuration();
-  const Vector3d up =
-      Quaterniond(zero[3], zero[4], zero[5], zero[6]).conjugate() * Vector3d::UnitZ();
+  const Vector3d up = root_rotation(zero).conjugate() * Vector3d::UnitZ();
   OrderEvidence evidence;
   for (const QuaternionOrder order : {QuaternionOrder::kXyzw, QuaternionOrder::kWxyz}) {
     const auto index = static_cast<std::size_t>(order);
@@ -89,8 +89,7 @@ OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw
       }
       const auto from = configurations.qpos(static_cast<int>(frame));
       std::vector<double> qpos(from.begin(), from.end());
-      qpos[3] = rotation.w();
-      for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+      set_root_rotation(qpos, rotation);
       forward_kinematics(robot, qpos, world_from_body);
       for (std::size_t i = 0; i < points.size(); ++i) {
         now[i] = world_from_body[points[i].body] * points[i].place;
@@ -170,7 +169,7 @@ OrderGuess order_of_fixed_base(const Robot& robot, const RawMotion& raw) {
   // Radians; large enough for CSVs with few digits.
   constexpr double kSame = 0.02;
   const std::vector<double> zero = robot.zero_configuration();
-  const Quaterniond base = Quaterniond(zero[3], zero[4], zero[5], zero[6]).normalized();
+  const Quaterniond base = root_rotation(zero).normalized();
   const auto fits = [&](QuaternionOrder order) {
     for (std::size_t frame = 0; frame < raw.frames; ++frame) {
       if (log_so3(rotation_at(raw, frame, order).conjugate() * base).norm() > kSame) return false;

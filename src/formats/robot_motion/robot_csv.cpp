@@ -19,6 +19,7 @@
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 
@@ -239,8 +240,7 @@ Result<RobotClip> printed_clip(const RobotClip& clip, const RobotCsvOptions& opt
     turn.normalize();
     if (frame > 0) align_sign(before.coeffs(), turn.coeffs());
     before = turn;
-    to[3] = turn.w();
-    for (int i = 0; i < 3; ++i) to[4 + i] = turn.vec()[i];
+    set_root_rotation(to, turn);
     for (const int index : robot.output_joints()) {
       const RobotJoint& joint = robot.joints()[index];
       const bool slides = joint.type == RobotJoint::Type::kSlide;

@@ -16,6 +16,7 @@
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 
@@ -211,9 +212,7 @@ class MotionInterpreter {
       rotation.normalize();
       if (frame > 0) align_sign(before.coeffs(), rotation.coeffs());
       before = rotation;
-      const auto qpos = clip.qpos(static_cast<int>(frame));
-      qpos[3] = rotation.w();
-      for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+      set_root_rotation(clip.qpos(static_cast<int>(frame)), rotation);
     }
   }
 

@@ -45,10 +45,8 @@ Samples sample(const RobotClip& clip, const TrackingOptions& options) {
     std::vector<double> qpos(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) qpos[k] = a[k] * (1.0 - s) + b[k] * s;
     const Quaterniond rotation =
-        interpolate_linear(Quaterniond(a[3], a[4], a[5], a[6]).normalized(),
-                           Quaterniond(b[3], b[4], b[5], b[6]).normalized(), s);
-    qpos[3] = rotation.w();
-    for (int k = 0; k < 3; ++k) qpos[4 + k] = rotation.vec()[k];
+        interpolate_linear(root_rotation(a).normalized(), root_rotation(b).normalized(), s);
+    set_root_rotation(qpos, rotation);
     samples.position.emplace_back(qpos[0], qpos[1], qpos[2]);
     samples.rotation.push_back(rotation);
     samples.qpos.push_back(std::move(qpos));

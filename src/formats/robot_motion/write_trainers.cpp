@@ -24,6 +24,7 @@
 #include "retarget/options.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 
 namespace retarget {
@@ -86,7 +87,7 @@ std::vector<double> rotation_vectors(const RobotClip& clip, std::size_t empty_ro
   std::vector<double> vectors;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
-    append_vector(vectors, log_so3(Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6])));
+    append_vector(vectors, log_so3(root_rotation(qpos)));
     for (const int index : robot.output_joints()) {
       const RobotJoint& joint = robot.joints()[index];
       append_vector(vectors, qpos[joint.qpos_address] * joint.axis);
@@ -261,7 +262,7 @@ MotionFiles write_mimickit_pickle(const RobotClip& clip, MotionFormat /*format*/
   pickle.begin_list();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
-    const Eigen::Vector3d turn = log_so3(Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]));
+    const Eigen::Vector3d turn = log_so3(root_rotation(qpos));
     pickle.begin_list();
     for (int i = 0; i < 3; ++i) pickle.number(qpos[i]);
     for (int i = 0; i < 3; ++i) pickle.number(turn[i]);

@@ -12,6 +12,7 @@
 #include "retarget/motion.h"
 #include "retarget/pose.h"
 #include "retarget/report.h"
+#include "retarget/root_pose.h"
 #include "retarget/spline.h"
 #include "retarget/statistics.h"
 #include "retarget/trigonometry.h"
@@ -162,10 +163,6 @@ void measure_accelerations(const ReportBuilder& draft) {
   const auto terms = static_cast<double>(robot.output_joints().size()) * count;
   draft.set("acc_rms", std::sqrt(squares / terms));
   draft.set("acc_p99", percentile(std::move(largest), 99.0));
-}
-
-Pose root_pose(std::span<const double> qpos) {
-  return {Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]), {qpos[0], qpos[1], qpos[2]}};
 }
 
 void measure_root_jerk(const ReportBuilder& draft) {

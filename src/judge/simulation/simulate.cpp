@@ -14,6 +14,7 @@
 #include "judge/simulation/reference_track.h"
 #include "judge/simulation/whole_body_controller.h"
 #include "retarget/kinematic_tree.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "retarget/text.h"
@@ -201,10 +202,7 @@ class Simulator {
                        data_->qpos[2] - reference_qpos[2]);
     const Vector3d up = Vector3d::UnitZ();
     const Vector3d current_up = quaternion_at(data_->qpos + 3).conjugate() * up;
-    const Vector3d reference_up = Eigen::Quaterniond(reference_qpos[3], reference_qpos[4],
-                                                     reference_qpos[5], reference_qpos[6])
-                                      .conjugate() *
-                                  up;
+    const Vector3d reference_up = root_rotation(reference_qpos).conjugate() * up;
     const double tilt = angle_between(current_up, reference_up) * 180.0 / std::numbers::pi;
     if (-off.z() > kFallHeight * size_) return fall(step, "height");
     if (tilt > kFallTilt) return fall(step, "tilt");

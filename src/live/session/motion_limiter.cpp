@@ -6,6 +6,7 @@
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 
 namespace retarget {
@@ -39,10 +40,6 @@ double last_braking_speed(double distance, double acceleration, double seconds) 
   const double half = 0.5 * acceleration * seconds;
   return std::max(std::sqrt(2.0 * acceleration * distance) - half,
                   std::min(distance / seconds, half));
-}
-
-Quaterniond rotation_of(std::span<const double> qpos) {
-  return {qpos[3], qpos[4], qpos[5], qpos[6]};
 }
 
 // Maximum speed towards a limit at the given distance, such that the joint stops at the limit if
@@ -166,7 +163,7 @@ void MotionLimiter::take(std::span<const double> wanted, double seconds) {
       Eigen::Map<const Vector3d>(wanted.data()) - Eigen::Map<const Vector3d>(now_.data());
   position_.velocity = begun_ ? Vector3d(way / seconds) : Vector3d::Zero();
   rotation_.velocity =
-      begun_ ? Vector3d(log_so3(rotation_of(now_).conjugate() * rotation_of(wanted)) / seconds)
+      begun_ ? Vector3d(log_so3(root_rotation(now_).conjugate() * root_rotation(wanted)) / seconds)
              : Vector3d::Zero();
   std::ranges::copy(wanted, now_.begin());
   for (const JointRow& joint : joints_) {
@@ -305,9 +302,10 @@ bool MotionLimiter::follow_position(std::span<const double> wanted, double secon
 bool MotionLimiter::follow_rotation(std::span<const double> wanted, double seconds) {
   Eigen::Map<Eigen::Vector4d> rotation(now_.data() + 3);
   const Eigen::Vector4d before = rotation;
-  const Quaterniond from = rotation_of(now_), to = rotation_of(wanted);
-  const Vector3d aim = has_goal_ ? Vector3d(log_so3(rotation_of(goal_).conjugate() * to) / seconds)
-                                 : Vector3d::Zero();
+  const Quaterniond from = root_rotation(now_), to = root_rotation(wanted);
+  const Vector3d aim = has_goal_
+                           ? Vector3d(log_so3(root_rotation(goal_).conjugate() * to) / seconds)
+                           : Vector3d::Zero();
   const auto step = limited_step(rotation_, log_so3(from.conjugate() * to), aim, seconds);
   if (step) {
     const Quaterniond next = (from * exp_so3(*step)).normalized();

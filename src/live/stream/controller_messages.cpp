@@ -9,6 +9,7 @@
 #include "retarget/bytes.h"
 #include "retarget/motion_io.h"
 #include "retarget/option_name.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 #include "retarget/trigonometry.h"
@@ -224,7 +225,7 @@ Result<Twist2Actions> Twist2Actions::make(const Robot& robot, double fps) {
 const Twist2Action& Twist2Actions::take(const RobotFrame& frame) {
   const auto qpos = frame.qpos;
   const Root root = {frame.index, Vector3d(qpos[0], qpos[1], qpos[2]),
-                     Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized()};
+                     root_rotation(qpos).normalized()};
   // Frames of another session have no history.
   if (!previous_ || root.index != previous_->index + 1) previous_ = root;
   const Quaterniond root_from_world = root.world_from_root.conjugate();

@@ -11,6 +11,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/anatomy/branches.h"
@@ -216,10 +217,8 @@ bool PairFinder::lies() const {
   for (const Eigen::Vector3d& turn :
        {Eigen::Vector3d(quarter, 0, 0), Eigen::Vector3d(-quarter, 0, 0),
         Eigen::Vector3d(0, quarter, 0), Eigen::Vector3d(0, -quarter, 0)}) {
-    const Eigen::Quaterniond turned = exp_so3(turn) * base.rotation;
     std::vector<double> qpos = reference_;
-    qpos[3] = turned.w();
-    for (int i = 0; i < 3; ++i) qpos[4 + i] = turned.vec()[i];
+    set_root_rotation(qpos, exp_so3(turn) * base.rotation);
     const TreeState standing(robot_.tree(), qpos);
     const std::vector<BranchPair> pairs = branch_pairs(robot_, standing);
     if (pairs.size() > 1 && !missing_counterpart(robot_, standing, pairs)) return true;

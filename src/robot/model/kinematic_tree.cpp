@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/math/simd.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 
@@ -162,7 +163,7 @@ void TreeState::update(std::span<const double> qpos) {
 void TreeState::update_up_to(int last, std::span<const double> qpos) {
   Pose& base = world_from_link[0];
   base.translation = {qpos[0], qpos[1], qpos[2]};
-  base.rotation = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized();
+  base.rotation = root_rotation(qpos).normalized();
   const Eigen::Matrix3d axes = base.rotation.toRotationMatrix();
   for (int k = 0; k < 3; ++k) angular[3 + k] = axes.col(k);
   place_links(1, last, qpos);
@@ -222,8 +223,7 @@ void forward_kinematics(const Robot& robot, std::span<const double> qpos,
     Pose& world = world_from_body[b];
     world = world_from_body[robot.bodies()[b].parent];
     if (static_cast<int>(b) == robot.root_body()) {
-      world = {Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized(),
-               {qpos[0], qpos[1], qpos[2]}};
+      world = {root_rotation(qpos).normalized(), {qpos[0], qpos[1], qpos[2]}};
     }
     for (; i < links.size() && links[i].body == static_cast<int>(b); ++i) {
       const double travel = qpos[links[i].qpos_address] - links[i].reference;

@@ -12,6 +12,7 @@
 #include "retarget/normalize_start.h"
 #include "retarget/resample.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 
@@ -89,7 +90,7 @@ Result<RobotClip> resample_robot(const RobotClip& source, const FrameRate& outpu
     const auto qpos = source.qpos(frame);
     const auto points = carried.translations(frame);
     points[0] = {qpos[0], qpos[1], qpos[2]};
-    carried.rotations(frame)[0] = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]);
+    carried.rotations(frame)[0] = root_rotation(qpos);
     for (int i = 0; i < values; ++i) points[1 + i / 3][i % 3] = qpos[kRootValues + i];
   }
   TRY_ASSIGN(const auto resampled, resample(std::move(carried), output_rate, options));
@@ -97,10 +98,8 @@ Result<RobotClip> resample_robot(const RobotClip& source, const FrameRate& outpu
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
     const auto points = resampled.translations(frame);
-    const Eigen::Quaterniond& rotation = resampled.rotations(frame)[0];
     for (int i = 0; i < 3; ++i) qpos[i] = points[0][i];
-    qpos[3] = rotation.w();
-    for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+    set_root_rotation(qpos, resampled.rotations(frame)[0]);
     for (int i = 0; i < values; ++i) qpos[kRootValues + i] = points[1 + i / 3][i % 3];
   }
   TRY_ASSIGN(const LimitSet limits, load_limits(source.robot(), source.robot().limits_for({})));
@@ -113,10 +112,6 @@ namespace {
 // Below this horizontal length of the unit x axis, the axis is too steep to define a heading.
 constexpr double kSteep = 0.1;
 
-Eigen::Quaterniond rotation_of(std::span<const double> qpos) {
-  return {qpos[3], qpos[4], qpos[5], qpos[6]};
-}
-
 }  // namespace
 
 double heading(const Eigen::Quaterniond& world_from_body) {
@@ -127,14 +122,13 @@ double heading(const Eigen::Quaterniond& world_from_body) {
 
 StartNormalizer::StartNormalizer(std::span<const double> first)
     : origin_(first[0], first[1], 0.0),
-      turn_(exp_so3(-heading(rotation_of(first)) * Eigen::Vector3d::UnitZ())) {}
+      turn_(exp_so3(-heading(root_rotation(first)) * Eigen::Vector3d::UnitZ())) {}
 
 void StartNormalizer::apply(std::span<double> qpos) const {
-  const Eigen::Vector3d position = turn_ * (Eigen::Vector3d(qpos[0], qpos[1], qpos[2]) - origin_);
-  const Eigen::Quaterniond rotation = turn_ * rotation_of(qpos);
+  const Pose root = root_pose(qpos);
+  const Eigen::Vector3d position = turn_ * (root.translation - origin_);
   for (int i = 0; i < 3; ++i) qpos[i] = position[i];
-  qpos[3] = rotation.w();
-  for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+  set_root_rotation(qpos, turn_ * root.rotation);
 }
 
 void normalize_start(RobotClip& clip) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "retarget/kinematic_tree.h"
+#include "retarget/root_pose.h"
 #include "retarget/spline.h"
 
 namespace retarget {
@@ -24,9 +25,8 @@ MotionState::MotionState(const KinematicTree& tree, std::vector<double> at)
     : qpos(std::move(at)), velocity(tree.dof_count(), 0.0), acceleration(tree.dof_count(), 0.0) {}
 
 void set_root_rotation(const RotationState& turn, double fps, MotionState& state) {
-  state.qpos[3] = turn.rotation.w();
+  set_root_rotation(state.qpos, turn.rotation);
   for (int k = 0; k < 3; ++k) {
-    state.qpos[4 + k] = turn.rotation.vec()[k];
     state.velocity[3 + k] = fps * turn.velocity[k];
     state.acceleration[3 + k] = fps * fps * turn.acceleration[k];
   }
@@ -47,8 +47,7 @@ MotionSpline::MotionSpline(const KinematicTree& tree, std::span<const double> fr
       addresses_{0, 1, 2} {
   std::vector<Eigen::Quaterniond> rotations;
   for (int t = 0; t < frame_count_; ++t) {
-    const auto q = frame(t);
-    rotations.push_back(Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized());
+    rotations.push_back(root_rotation(frame(t)).normalized());
   }
   rotation_ = RotationSpline(rotations);
   const auto& links = tree.links();

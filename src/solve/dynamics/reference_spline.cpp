@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "retarget/kinematic_tree.h"
+#include "retarget/root_pose.h"
 
 namespace retarget {
 namespace {
@@ -33,8 +34,7 @@ ReferenceSpline::ReferenceSpline(const RobotClip& clip, const LimitSet& limits)
   }
   std::vector<Eigen::Quaterniond> rotations;
   for (int t = 0; t < clip.frame_count(); ++t) {
-    const auto q = clip.qpos(t);
-    rotations.push_back(Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized());
+    rotations.push_back(root_rotation(clip.qpos(t)).normalized());
   }
   rotation_ = RotationSpline(rotations);
 }

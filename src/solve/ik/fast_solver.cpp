@@ -10,6 +10,7 @@
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "robot/model/composite.h"
 #include "solve/ik/active_set.h"
@@ -217,10 +218,8 @@ void FastSolver::set_bounds(std::span<const double> qpos) {
 // Adds the step to the joints and the root position, and rotates the root about its own axes.
 void FastSolver::move(std::span<double> qpos) const {
   for (int i = 0; i < 3; ++i) qpos[i] += dq_[i];
-  const Eigen::Quaterniond turned =
-      (state_.world_from_link[0].rotation * exp_so3(dq_.segment<3>(3))).normalized();
-  qpos[3] = turned.w();
-  for (int i = 0; i < 3; ++i) qpos[4 + i] = turned.vec()[i];
+  const Eigen::Quaterniond turn = exp_so3(dq_.segment<3>(3));
+  set_root_rotation(qpos, (state_.world_from_link[0].rotation * turn).normalized());
   for (std::size_t i = 1; i < tree_.links().size(); ++i) {
     qpos[tree_.links()[i].qpos_address] += dq_[KinematicTree::dof_of(static_cast<int>(i))];
   }

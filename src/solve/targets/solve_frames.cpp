@@ -9,6 +9,7 @@
 
 #include "base/faults.h"
 #include "base/try.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 #include "solve/targets/frame_solver.h"
@@ -167,11 +168,7 @@ class ClipSolver {
     const Pose& pose = world_from_target.front();
     if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) return;
     std::ranges::copy(pose.translation, qpos_.begin());
-    const Eigen::Quaterniond rotation = (pose.rotation * root_from_base_).normalized();
-    qpos_[3] = rotation.w();
-    qpos_[4] = rotation.x();
-    qpos_[5] = rotation.y();
-    qpos_[6] = rotation.z();
+    set_root_rotation(qpos_, (pose.rotation * root_from_base_).normalized());
   }
 
   // Returns true for the first frame and for frames in which the root's target rotates faster than
