@@ -17,6 +17,8 @@ namespace RETARGET_API retarget {
 /// Formats a number with at most `decimals` decimals, without trailing zeros: 9.97, 30. Never uses
 /// an exponent and does not depend on the locale.
 [[nodiscard]] std::string number_text(double value, int decimals);
+/// The shortest text from which the same number is read: 0.1, 1e-09, inf.
+[[nodiscard]] std::string number_text(double value);
 
 /// Parses the whole text as a number, independent of the locale. Returns nothing for any other
 /// text.
@@ -46,6 +48,17 @@ template <typename Number>
 /// characters except tab and line feed (ASCII and U+0080 to U+009F), bidirectional marks, line and
 /// paragraph separators. Names from files may contain any of them.
 [[nodiscard]] std::string printable(std::string_view text);
+
+/// Shortens a text to at most `length` bytes and `...`, without cutting a UTF-8 character in half.
+[[nodiscard]] std::string cut_short(std::string text, std::size_t length);
+
+/// Escapes text for an XML element or attribute: `<`, `>`, `&` and quotes become entities,
+/// characters that are invalid in XML or control a terminal become `?`, invalid UTF-8 becomes
+/// U+FFFD.
+[[nodiscard]] std::string xml_text(std::string_view text);
+
+/// Quotes a field of a CSV with a comma, a quote or a line end, as RFC 4180 requires.
+[[nodiscard]] std::string csv_field(std::string_view text);
 
 /// Replaces line feeds by `?`. Messages have one line, and the names of files in them may have
 /// several.

@@ -19,13 +19,7 @@ class Faults {
  public:
   void add(std::string fault) {
     if (++count_ > kMaxListed) return;
-    if (fault.size() > kMaxLength) {
-      std::size_t end = kMaxLength;
-      // Do not cut a multi-byte UTF-8 character in half.
-      while (end > 0 && (static_cast<unsigned char>(fault[end]) & 0xC0) == 0x80) --end;
-      fault = fault.substr(0, end) + "...";
-    }
-    faults_.push_back(std::move(fault));
+    faults_.push_back(cut_short(std::move(fault), kMaxLength));
   }
   /// did_you_mean() for the fault that is added next. Empty when that fault will not be listed.
   [[nodiscard]] std::string suggestion(std::string_view name,

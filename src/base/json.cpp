@@ -22,13 +22,6 @@ constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 constexpr std::size_t kMaxFoundLength = 80;
 constexpr std::size_t kMaxReasonLength = 200;
 
-std::string cut_short(std::string text, std::size_t length) {
-  if (text.size() <= length) return text;
-  // Do not cut a multi-byte UTF-8 character in half.
-  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
-  return text.substr(0, length) + "...";
-}
-
 // Strips the prefix and the position from nlohmann's message; json_failure computes the position.
 std::string reason_of(const nlohmann::json::exception& error) {
   std::string reason = error.what();

@@ -125,6 +125,52 @@ std::string printable(std::string_view text) {
   return replaced(text, [](std::uint32_t) { return std::string("?"); });
 }
 
+std::string cut_short(std::string text, std::size_t length) {
+  if (text.size() <= length) return text;
+  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
+  return text.substr(0, length) + "...";
+}
+
+std::string xml_text(std::string_view text) {
+  std::string result;
+  const std::string valid = valid_utf8(printable(text));
+  for (std::size_t at = 0; at < valid.size(); ++at) {
+    switch (valid[at]) {
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '&':
+        result += "&amp;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\xEF':
+        // U+FFFE and U+FFFF are valid in Unicode but not in XML.
+        if (valid.compare(at, 3, "\xEF\xBF\xBE") == 0 ||
+            valid.compare(at, 3, "\xEF\xBF\xBF") == 0) {
+          result += '?';
+          at += 2;
+          break;
+        }
+        [[fallthrough]];
+      default:
+        result += valid[at];
+    }
+  }
+  return result;
+}
+
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 std::string without_line_feeds(std::string_view text) {
   std::string line(text);
   std::ranges::replace(line, '\n', '?');
@@ -157,6 +203,12 @@ std::string number_text(double value, int decimals) {
     if (text.back() == '.') text.pop_back();
   }
   return text == "-0" ? "0" : text;
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> digits;
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end};
 }
 
 std::optional<double> number_from_text(std::string_view text) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -121,31 +120,24 @@ void add_text(std::string& row, const std::string& text) {
   add_cell(row, is_formula ? "'" + text : text);
 }
 
-std::string shortest(double value) {
-  if (std::isinf(value)) return "inf";
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  return {text, end};
-}
-
 std::string row_of(const ManifestEntry& entry) {
   std::string row;
   add_cell(row, entry.done ? "done" : entry.is_left_out() ? "duplicate" : "failed");
   add_text(row, entry.relative);
   add_text(row, entry.robot);
   add_cell(row, entry.done ? std::to_string(entry.frames) : "");
-  add_cell(row, entry.done ? shortest(entry.fps) : "");
+  add_cell(row, entry.done ? number_text(entry.fps) : "");
   const bool timed = entry.done && entry.fps > 0.0;
-  add_cell(row, timed ? shortest(std::max(0, entry.frames - 1) / entry.fps) : "");
+  add_cell(row, timed ? number_text(std::max(0, entry.frames - 1) / entry.fps) : "");
   const ClipQuality none, &quality = entry.quality ? *entry.quality : none;
   add_cell(row, entry.quality ? std::to_string(quality.missed.size()) : "");
   add_text(row, quality.worst);
-  add_cell(row, quality.worst.empty() ? "" : shortest(quality.worst_ratio));
+  add_cell(row, quality.worst.empty() ? "" : number_text(quality.worst_ratio));
   for (const Metric& metric : quality_metrics()) {
     const auto figure = std::ranges::find_if(
         quality.figures, [&](const auto& item) { return item.first == metric.key; });
     const bool known = figure != quality.figures.end() && !std::isnan(figure->second);
-    add_cell(row, known ? shortest(figure->second) : "");
+    add_cell(row, known ? number_text(figure->second) : "");
   }
   add_text(row,
            entry.error

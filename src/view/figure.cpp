@@ -90,39 +90,6 @@ std::string shaded(int colour, double light) {
 
 }  // namespace
 
-std::string xml_text(std::string_view text) {
-  std::string result;
-  const std::string valid = valid_utf8(printable(text));
-  for (std::size_t at = 0; at < valid.size(); ++at) {
-    switch (valid[at]) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\xEF':
-        // U+FFFE and U+FFFF are valid in Unicode but not in XML.
-        if (valid.compare(at, 3, "\xEF\xBF\xBE") == 0 ||
-            valid.compare(at, 3, "\xEF\xBF\xBF") == 0) {
-          result += '?';
-          at += 2;
-          break;
-        }
-        [[fallthrough]];
-      default:
-        result += valid[at];
-    }
-  }
-  return result;
-}
-
 void SvgWriter::stroke(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width,
                        std::string_view colour) {
   text_ += fmt::format("<path d=\"M{}L{}\" stroke=\"{}\" stroke-width=\"{}\"/>\n", place(from),

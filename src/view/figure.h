@@ -12,11 +12,6 @@
 
 namespace retarget {
 
-/// Escapes text for an XML element or attribute: `<`, `>`, `&` and quotes become entities,
-/// characters that are invalid in XML or control a terminal become `?`, invalid UTF-8 becomes
-/// U+FFFD.
-[[nodiscard]] std::string xml_text(std::string_view text);
-
 /// Assembles an SVG drawing. Coordinates in pixels, x right, y down, rounded to a tenth of a pixel.
 class SvgWriter {
  public:

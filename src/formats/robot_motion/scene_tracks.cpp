@@ -69,14 +69,6 @@ std::vector<Column> columns_of(const ContactLabels& labels, std::string SurfaceT
   return columns;
 }
 
-// A field of a CSV; names may contain commas.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string field = "\"";
-  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return field + '"';
-}
-
 bool touches_in(const Column& column, int frame) {
   return std::ranges::any_of(column.touches, [&](const SurfaceTouch* touch) {
     return touch->begin <= frame && frame < touch->end;
@@ -190,7 +182,7 @@ std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& r
   std::string text = "frame,time";
   for (const std::string_view name : kContactNames) text += fmt::format(",{}", name);
   for (const Column& column : columns) {
-    text += ',' + quoted(column.first->part + ':' + column.first->surface);
+    text += ',' + csv_field(column.first->part + ':' + column.first->surface);
   }
   text += '\n';
   for (int frame = 0; frame < contacts.frame_count(); ++frame) {

@@ -1,22 +1,14 @@
 #include <mujoco/mujoco.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <system_error>
 
 #include "retarget/pose.h"
 #include "solve/robot_setup/format_model.h"
 
 namespace retarget {
-
-std::string number_text(double value) {
-  std::array<char, 64> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() ? std::string(text.data(), end) : std::string("0");
-}
 
 double rounded(double value, int decimals) {
   double unit = 1.0;
@@ -29,29 +21,6 @@ std::string json_text(const std::string& text) {
 }
 
 namespace {
-
-std::string xml_text(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 std::string attribute(const std::string& name, const std::string& value) {
   return " " + name + "=\"" + xml_text(value) + "\"";

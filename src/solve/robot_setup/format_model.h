@@ -4,13 +4,10 @@
 #include <vector>
 
 #include "retarget/robot.h"
+#include "retarget/text.h"
 #include "robot/anatomy/shapes.h"
 
 namespace retarget {
-
-/// The shortest text that parses back to the same number, without an exponent for ordinary
-/// magnitudes.
-[[nodiscard]] std::string number_text(double value);
 
 /// Rounds to a number of decimals. Never returns negative zero.
 [[nodiscard]] double rounded(double value, int decimals);
