@@ -39,8 +39,7 @@ class MjcfSceneReader {
     std::vector<SceneLink> links(static_cast<std::size_t>(model_.nbody));
     for (int body = 0; body < model_.nbody; ++body) {
       SceneLink& link = links[static_cast<std::size_t>(body)];
-      const char* name = mj_id2name(&model_, mjOBJ_BODY, body);
-      link.body.name = name == nullptr ? "" : name;
+      link.body.name = name_in_model(model_, mjOBJ_BODY, body);
       if (body == 0) continue;
       // The world's own pose is the identity, so it needs no link.
       link.parent = model_.body_parentid[body];
@@ -165,8 +164,7 @@ class UrdfSceneReader {
     TRY(read_joints(robot));
     // Without collisions, visuals describe the bodies.
     kind_ = has_collisions(robot) ? "collision" : "visual";
-    for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
-         link = link->NextSiblingElement("link")) {
+    for (const XMLElement* link : children_of(robot, "link")) {
       const std::string name = attribute_of(link, "name");
       if (!elements_.emplace(name, link).second) {
         return fault(*link, "two links have the name \"" + name + "\"");
@@ -194,16 +192,14 @@ class UrdfSceneReader {
   }
 
   static bool has_collisions(const XMLElement& robot) {
-    for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
-         link = link->NextSiblingElement("link")) {
+    for (const XMLElement* link : children_of(robot, "link")) {
       if (link->FirstChildElement("collision") != nullptr) return true;
     }
     return false;
   }
 
   Result<void> read_joints(const XMLElement& robot) {
-    for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
-         joint = joint->NextSiblingElement("joint")) {
+    for (const XMLElement* joint : children_of(robot, "joint")) {
       TRY_ASSIGN(const Pose pose, origin_of(*joint));
       const std::string child = attribute_of(joint->FirstChildElement("child"), "link");
       const std::string parent = attribute_of(joint->FirstChildElement("parent"), "link");
@@ -252,8 +248,7 @@ class UrdfSceneReader {
           number_from_text(attribute_of(inertial->FirstChildElement("mass"), "value"));
       link.body.mass = mass ? std::max(*mass, 0.0) : 0.0;
     }
-    for (const XMLElement* shape = element.FirstChildElement(kind_); shape != nullptr;
-         shape = shape->NextSiblingElement(kind_)) {
+    for (const XMLElement* shape : children_of(element, kind_)) {
       TRY_ASSIGN(const Pose pose, origin_of(*shape));
       const XMLElement* geometry = shape->FirstChildElement("geometry");
       const XMLElement* form = geometry == nullptr ? nullptr : geometry->FirstChildElement();

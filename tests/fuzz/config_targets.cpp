@@ -17,7 +17,7 @@
 #include "retarget/robot.h"
 #include "robot/model/check_model.h"
 #include "robot/model/load_profile.h"
-#include "solve/robot_setup/import_robot.h"
+#include "robot/model/urdf_extras.h"
 
 namespace retarget::fuzz {
 namespace {
@@ -97,7 +97,7 @@ void fuzz_model(std::string_view bytes) {
 }
 
 void fuzz_urdf(std::string_view bytes) {
-  for (const auto& [joint, speed] : urdf_speeds(file_of(bytes, "robot.urdf"))) {
+  for (const auto& [joint, speed] : urdf_facts(file_of(bytes, "robot.urdf")).speeds) {
     require(std::isfinite(speed) && speed > 0.0, "speeds are above 0");
   }
 }

@@ -86,8 +86,7 @@ class MvnxReader {
     const XMLElement* joints = subject.FirstChildElement("joints");
     if (segments == nullptr || joints == nullptr) return fault("it has no segments or no joints");
     std::map<std::string, int> numbers;
-    for (const XMLElement* each = segments->FirstChildElement("segment"); each != nullptr;
-         each = each->NextSiblingElement("segment")) {
+    for (const XMLElement* each : children_of(*segments, "segment")) {
       const std::string name = attribute_of(each, "label");
       if (!numbers.emplace(name, static_cast<int>(names_.size())).second) {
         return fault("two segments have the name \"" + printable(name) + "\"");
@@ -96,8 +95,7 @@ class MvnxReader {
       if (names_.size() > kMaxSegments) return fault("it has more than 1000 segments");
     }
     parents_.assign(names_.size(), -1);
-    for (const XMLElement* each = joints->FirstChildElement("joint"); each != nullptr;
-         each = each->NextSiblingElement("joint")) {
+    for (const XMLElement* each : children_of(*joints, "joint")) {
       const auto parent = numbers.find(segment_of(each->FirstChildElement("connector1")));
       const auto child = numbers.find(segment_of(each->FirstChildElement("connector2")));
       if (parent == numbers.end() || child == numbers.end()) {
@@ -132,8 +130,7 @@ class MvnxReader {
   Result<void> find_frames(const XMLElement& subject) {
     const XMLElement* frames = subject.FirstChildElement("frames");
     if (frames == nullptr) return fault("it has no frames");
-    for (const XMLElement* each = frames->FirstChildElement("frame"); each != nullptr;
-         each = each->NextSiblingElement("frame")) {
+    for (const XMLElement* each : children_of(*frames, "frame")) {
       const std::string type = attribute_of(each, "type");
       if (type.empty() || type == "normal") {
         frames_.push_back(each);

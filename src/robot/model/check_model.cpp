@@ -342,10 +342,7 @@ Result<void> ModelChecker::vet_kind(const XMLElement& element, Place& place) {
     TRY_ASSIGN(const auto columns, product(element, "ncol", place, kMaxCells));
     cells_ += rows * columns;
   } else if (is("sensor")) {
-    for (const XMLElement* each = element.FirstChildElement(); each != nullptr;
-         each = each->NextSiblingElement()) {
-      sensors_ += place.copies;
-    }
+    sensors_ += place.copies * static_cast<double>(children_of(element).size());
   } else if (is("key")) {
     keys_ += place.copies;
   } else if (is("numeric")) {
@@ -368,8 +365,7 @@ Result<void> ModelChecker::vet(const XMLElement& element, Place place) {
 }
 
 Result<void> ModelChecker::vet_children(const XMLElement& element, const Place& place) {
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
+  for (const XMLElement* child : children_of(element)) {
     TRY(vet(*child, place));
   }
   return {};

@@ -179,8 +179,7 @@ Result<void> check_version() {
 }
 
 std::string quoted_name(const mjModel& model, mjtObj kind, int index) {
-  const char* name = mj_id2name(&model, kind, index);
-  return "\"" + std::string(name == nullptr ? "" : name) + "\"";
+  return "\"" + name_in_model(model, kind, index) + "\"";
 }
 
 bool all_finite(const mjtNum* values, int count) {

@@ -48,8 +48,7 @@ Pose origin_of(const XMLElement& element) {
 class FixedLinks {
  public:
   explicit FixedLinks(const XMLElement& robot) {
-    for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
-         joint = joint->NextSiblingElement("joint")) {
+    for (const XMLElement* joint : children_of(robot, "joint")) {
       if (attribute_of(joint, "type") != "fixed") continue;
       parents_[attribute_of(joint->FirstChildElement("child"), "link")] = {
           attribute_of(joint->FirstChildElement("parent"), "link"), origin_of(*joint)};
@@ -77,8 +76,7 @@ class FixedLinks {
 // Adds the meshes of `<visual>` or `<collision>` elements.
 void add_meshes(const XMLElement& link, const char* kind, const FixedLinks& fixed,
                 std::vector<ModelMesh>& meshes) {
-  for (const XMLElement* shape = link.FirstChildElement(kind); shape != nullptr;
-       shape = shape->NextSiblingElement(kind)) {
+  for (const XMLElement* shape : children_of(link, kind)) {
     const XMLElement* geometry = shape->FirstChildElement("geometry");
     const XMLElement* mesh = geometry == nullptr ? nullptr : geometry->FirstChildElement("mesh");
     ModelMesh found;
@@ -95,8 +93,7 @@ void add_meshes(const XMLElement& link, const char* kind, const FixedLinks& fixe
 std::vector<ModelMesh> urdf_meshes(const XMLElement& robot) {
   const FixedLinks fixed(robot);
   std::vector<ModelMesh> meshes;
-  for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
-       link = link->NextSiblingElement("link")) {
+  for (const XMLElement* link : children_of(robot, "link")) {
     const std::size_t before = meshes.size();
     add_meshes(*link, "visual", fixed, meshes);
     if (meshes.size() == before) add_meshes(*link, "collision", fixed, meshes);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <memory>
+#include <string>
 
 #include "retarget/pose.h"
 
@@ -19,6 +20,12 @@ namespace retarget {
 [[nodiscard]] inline Pose pose_at(const double* positions, const double* quaternions, int element) {
   const double* q = quaternions + 4 * static_cast<std::ptrdiff_t>(element);
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), vector_at(positions, element)};
+}
+
+/// Returns the name of an element; empty without one.
+[[nodiscard]] inline std::string name_in_model(const mjModel& model, mjtObj kind, int index) {
+  const char* name = mj_id2name(&model, kind, index);
+  return name == nullptr ? std::string() : std::string(name);
 }
 
 struct MujocoSpecDeleter {

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "base/parse_xml.h"
@@ -33,10 +34,6 @@ std::pair<std::size_t, std::size_t> last_number_after(const std::string& text,
     if (at == 0) break;
   }
   return {0, std::string::npos};
-}
-
-void remove_prefix(std::string& text, const std::string& prefix) {
-  if (text.starts_with(prefix)) text.erase(0, prefix.size());
 }
 
 // Format: `XML parse error 14:; Error=XML_ERROR_MISMATCHED_ELEMENT ErrorID=14 (0xe) Line number=3:
@@ -102,8 +99,7 @@ void name_repeated(const std::string& path, Error& error) {
   if (!text || !parse_xml(text->view(), document) || document.RootElement() == nullptr) return;
   for (const char* kind : {"link", "joint"}) {
     std::set<std::string> names;
-    const auto* element = document.RootElement()->FirstChildElement(kind);
-    for (; element != nullptr; element = element->NextSiblingElement(kind)) {
+    for (const auto* element : children_of(*document.RootElement(), kind)) {
       const char* name = element->Attribute("name");
       if (name == nullptr || names.insert(name).second) continue;
       error.location.line = static_cast<std::size_t>(element->GetLineNum());
@@ -116,6 +112,12 @@ void name_repeated(const std::string& path, Error& error) {
 }
 
 }  // namespace
+
+void remove_prefixes(std::string& line) {
+  for (const std::string_view prefix : {"XML Error: ", "Error: ", "Schema violation: "}) {
+    if (line.starts_with(prefix)) line.erase(0, prefix.size());
+  }
+}
 
 Failure model_failure(const std::string& path, const std::string& text) {
   std::string line = one_line(text);
@@ -134,9 +136,7 @@ Failure model_failure(const std::string& path, const std::string& text) {
     error.location.column = last_number_after(line.substr(at), ", column ").first;
     line.erase(at);
   }
-  for (const char* prefix : {"XML Error: ", "Error: ", "Schema violation: "}) {
-    remove_prefix(line, prefix);
-  }
+  remove_prefixes(line);
   error.message = "MuJoCo cannot load the model: " + line;
   // Format: `repeated name 'knee' in joint`.
   const std::size_t name_end = line.find("' in ");

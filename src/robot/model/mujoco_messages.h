@@ -37,6 +37,9 @@ class MessageGuard {
 /// Joins a multi-line MuJoCo message into one line.
 [[nodiscard]] std::string one_line(const std::string& text);
 
+/// Removes the kinds of errors in front of a MuJoCo message about a model.
+void remove_prefixes(std::string& line);
+
 /// Converts a MuJoCo message about a model to an error: extracts its line and column and replaces
 /// parser error codes with text.
 [[nodiscard]] Failure model_failure(const std::string& path, const std::string& text);

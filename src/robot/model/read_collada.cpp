@@ -48,8 +48,7 @@ std::string target(const XMLElement& element, const char* name) {
 template <typename Call>
 void each(const XMLElement* parent, const char* name, const Call& call) {
   if (parent == nullptr) return;
-  for (const XMLElement* e = parent->FirstChildElement(name); e != nullptr;
-       e = e->NextSiblingElement(name)) {
+  for (const XMLElement* e : children_of(*parent, name)) {
     call(*e);
   }
 }
@@ -108,7 +107,7 @@ class ColladaReader {
 // Returns the product of all transforms of a node, in document order.
 std::optional<Matrix4d> ColladaReader::pose_of(const XMLElement& node) const {
   Matrix4d pose = Matrix4d::Identity();
-  for (const XMLElement* e = node.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+  for (const XMLElement* e : children_of(node)) {
     const std::string_view what = e->Name();
     if (what != "matrix" && what != "translate" && what != "rotate" && what != "scale") continue;
     const auto numbers = numbers_of<double>(e);

@@ -43,9 +43,7 @@ bool is_named(const XMLElement& element, std::string_view name) {
 // Calls `visit` for the elements below `root`, parents first, and deletes those for which it
 // returns false. check_model bounds the depth.
 void visit_elements(XMLElement& root, const std::function<bool(XMLElement&)>& visit) {
-  XMLElement* next = nullptr;
-  for (XMLElement* each = root.FirstChildElement(); each != nullptr; each = next) {
-    next = each->NextSiblingElement();
+  for (XMLElement* each : children_of(root)) {
     if (visit(*each)) {
       visit_elements(*each, visit);
     } else {
@@ -62,9 +60,7 @@ bool parse_file(const std::string& path, tinyxml2::XMLDocument& document) {
 // Replaces <include> elements with the contents of their files. Returns false if a file cannot be
 // read.
 bool expand_includes(XMLElement& element, const fs::path& root, const fs::path& folder, int depth) {
-  XMLElement* next = nullptr;
-  for (XMLElement* each = element.FirstChildElement(); each != nullptr; each = next) {
-    next = each->NextSiblingElement();
+  for (XMLElement* each : children_of(element)) {
     if (!is_named(*each, "include")) {
       if (!expand_includes(*each, root, folder, depth)) return false;
       continue;
@@ -102,12 +98,10 @@ bool is_only_frame(const XMLElement& body) {
 
 bool holds_free_joint(const XMLElement& body) {
   if (body.FirstChildElement("freejoint") != nullptr) return true;
-  for (const auto* joint = body.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
+  for (const auto* joint : children_of(body, "joint")) {
     if (attribute_of(joint, "type") == "free") return true;
   }
-  for (const auto* child = body.FirstChildElement("body"); child != nullptr;
-       child = child->NextSiblingElement("body")) {
+  for (const auto* child : children_of(body, "body")) {
     if (holds_free_joint(*child)) return true;
   }
   return false;
@@ -144,26 +138,17 @@ bool is_at_origin(const XMLElement& joint) {
 }
 
 XMLElement* joint_from(XMLElement& robot, const char* end, const std::string& link) {
-  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
+  for (auto* joint : children_of(robot, "joint")) {
     const auto* named = joint->FirstChildElement(end);
     if (named != nullptr && attribute_of(named, "link") == link) return joint;
   }
   return nullptr;
 }
 
-XMLElement* link_named(XMLElement& robot, const std::string& name) {
-  for (auto* link = robot.FirstChildElement("link"); link != nullptr;
-       link = link->NextSiblingElement("link")) {
-    if (attribute_of(link, "name") == name) return link;
-  }
-  return nullptr;
-}
-
-XMLElement* floating_joint(XMLElement& robot) {
-  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
-    if (attribute_of(joint, "type") == "floating") return joint;
+XMLElement* child_with(XMLElement& robot, const char* kind, const char* attribute,
+                       const std::string& value) {
+  for (XMLElement* child : children_of(robot, kind)) {
+    if (attribute_of(child, attribute) == value) return child;
   }
   return nullptr;
 }
@@ -206,9 +191,7 @@ bool ModelRepair::drop_sections(const std::string& complaint) {
   });
   if (dropped) {
     std::string reason = one_line(complaint);
-    for (const char* prefix : {"XML Error: ", "Error: ", "Schema violation: "}) {
-      if (reason.starts_with(prefix)) reason.erase(0, std::string_view(prefix).size());
-    }
+    remove_prefixes(reason);
     notes_.push_back(
         "sensors, actuators, cameras and lights are ignored, because MuJoCo cannot "
         "read one of them: " +
@@ -221,8 +204,7 @@ bool ModelRepair::drop_sections(const std::string& complaint) {
 // "world".
 bool ModelRepair::free_world_bodies() {
   std::vector<std::string> names;
-  for (auto* world = document_.RootElement()->FirstChildElement("worldbody"); world != nullptr;
-       world = world->NextSiblingElement("worldbody")) {
+  for (auto* world : children_of(*document_.RootElement(), "worldbody")) {
     auto* body = world->FirstChildElement("body");
     while (body != nullptr) {
       auto* next = body->NextSiblingElement("body");
@@ -253,13 +235,13 @@ bool ModelRepair::free_world_bodies() {
 // of the joint to MuJoCo's reserved name for the world.
 bool ModelRepair::free_world_links() {
   XMLElement& robot = *document_.RootElement();
-  XMLElement* floating = floating_joint(robot);
+  XMLElement* floating = child_with(robot, "joint", "type", "floating");
   auto* parent = floating == nullptr ? nullptr : floating->FirstChildElement("parent");
   if (parent == nullptr) return false;
   const std::string name = attribute_of(parent, "link");
   std::vector<XMLElement*> removed;
   for (std::string link = name;;) {
-    XMLElement* element = link_named(robot, link);
+    XMLElement* element = child_with(robot, "link", "name", link);
     if (element == nullptr || !is_massless(*element)) return false;
     if (link != name) removed.push_back(element);
     XMLElement* joint = joint_from(robot, "child", link);
@@ -270,9 +252,8 @@ bool ModelRepair::free_world_links() {
     removed.push_back(joint);
     link = attribute_of(above, "link");
   }
-  link_named(robot, name)->SetAttribute("name", "world");
-  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
+  child_with(robot, "link", "name", name)->SetAttribute("name", "world");
+  for (auto* joint : children_of(robot, "joint")) {
     auto* from = joint->FirstChildElement("parent");
     if (from != nullptr && attribute_of(from, "link") == name) from->SetAttribute("link", "world");
   }

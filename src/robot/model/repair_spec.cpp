@@ -335,8 +335,7 @@ std::vector<ModelMesh::Carrier> carriers_of(const mjModel& model, int geom) {
   std::vector<ModelMesh::Carrier> carriers;
   Pose pose = pose_at(model.geom_pos, model.geom_quat, geom);
   for (int body = model.geom_bodyid[geom]; body > 0; body = model.body_parentid[body]) {
-    const char* name = mj_id2name(&model, mjOBJ_BODY, body);
-    carriers.push_back({name == nullptr ? "" : name, pose});
+    carriers.push_back({name_in_model(model, mjOBJ_BODY, body), pose});
     if (model.body_jntnum[body] > 0) break;
     pose = pose_at(model.body_pos, model.body_quat, body) * pose;
   }

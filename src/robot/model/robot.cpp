@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::string name_of(const mjModel* model, mjtObj kind, int index) {
-  const char* name = mj_id2name(model, kind, index);
-  return name == nullptr ? std::string() : std::string(name);
-}
-
 template <typename T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
   std::vector<std::string> names;
@@ -51,7 +46,7 @@ Robot::Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warn
 
 void Robot::read_bodies() {
   for (int b = 0; b < model_->nbody; ++b) {
-    bodies_.push_back({name_of(model_.get(), mjOBJ_BODY, b), model_->body_parentid[b],
+    bodies_.push_back({name_in_model(*model_, mjOBJ_BODY, b), model_->body_parentid[b],
                        pose_at(model_->body_pos, model_->body_quat, b)});
   }
 }
@@ -65,7 +60,7 @@ void Robot::read_joints() {
       continue;
     }
     RobotJoint joint;
-    joint.name = name_of(model_.get(), mjOBJ_JOINT, j);
+    joint.name = name_in_model(*model_, mjOBJ_JOINT, j);
     joint.type =
         model_->jnt_type[j] == mjJNT_SLIDE ? RobotJoint::Type::kSlide : RobotJoint::Type::kHinge;
     joint.body = model_->jnt_bodyid[j];

@@ -1,9 +1,11 @@
 #include "robot/model/urdf_extras.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "base/parse_xml.h"
@@ -21,16 +23,14 @@ bool is_link_or_joint(const XMLElement& element) {
 }
 
 bool holds_links(const XMLElement& element) {
-  for (const auto* child = element.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
+  for (const auto* child : children_of(element)) {
     if (is_link_or_joint(*child) || holds_links(*child)) return true;
   }
   return false;
 }
 
 void collect_xacro(const XMLElement& element, std::vector<std::string>& names) {
-  for (const auto* child = element.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
+  for (const auto* child : children_of(element)) {
     if (!is_xacro(*child)) {
       collect_xacro(*child, names);
     } else if (std::ranges::find(names, child->Name()) == names.end()) {
@@ -53,12 +53,17 @@ UrdfFacts urdf_facts(const std::string& path) {
   facts.is_urdf = document.RootElement() != nullptr && is_urdf(*document.RootElement());
   const XMLElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) return facts;
-  for (const auto* joint = robot->FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
-    const auto* mimic = joint->FirstChildElement("mimic");
+  for (const auto* joint : children_of(*robot, "joint")) {
     const char* name = joint->Attribute("name");
+    if (name == nullptr) continue;
+    const std::string velocity = attribute_of(joint->FirstChildElement("limit"), "velocity");
+    double speed = 0.0;
+    const char* const end = velocity.data() + velocity.size();
+    const bool is_number = std::from_chars(velocity.data(), end, speed).ec == std::errc();
+    if (is_number && std::isfinite(speed) && speed > 0.0) facts.speeds[name] = speed;
+    const auto* mimic = joint->FirstChildElement("mimic");
     const char* leader = mimic == nullptr ? nullptr : mimic->Attribute("joint");
-    if (name == nullptr || leader == nullptr) continue;
+    if (leader == nullptr) continue;
     JointCoupling coupling{leader, mimic->DoubleAttribute("multiplier", 1.0),
                            mimic->DoubleAttribute("offset", 0.0)};
     if (!std::isfinite(coupling.ratio) || !std::isfinite(coupling.offset)) continue;
@@ -83,8 +88,7 @@ bool is_xacro_template(const XMLElement& element) {
     const std::string_view name = element.Name();
     if (name == "xacro:include" || name == "xacro:macro" || holds_links(element)) return true;
   }
-  for (const auto* child = element.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
+  for (const auto* child : children_of(element)) {
     if (is_xacro_template(*child)) return true;
   }
   return false;

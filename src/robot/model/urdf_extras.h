@@ -15,8 +15,10 @@ namespace retarget {
 /// Facts about a model file that MuJoCo's reader drops.
 struct UrdfFacts {
   bool is_urdf = false;
-  std::map<std::string, JointCoupling>
-      couplings;  ///< By joint: `<mimic joint= multiplier= offset=>`.
+  /// By joint: `<mimic joint= multiplier= offset=>`.
+  std::map<std::string, JointCoupling> couplings;
+  /// By joint: `<limit velocity=>` above 0, rad/s or m/s.
+  std::map<std::string, double> speeds;
 };
 /// Reads the facts. A file that cannot be read has none.
 [[nodiscard]] UrdfFacts urdf_facts(const std::string& path);

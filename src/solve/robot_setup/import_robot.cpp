@@ -2,15 +2,10 @@
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
-#include <tinyxml2.h>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
-#include <system_error>
 
-#include "base/parse_xml.h"
-#include "retarget/file.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -188,30 +183,6 @@ Result<void> check_closed_chains(const ImportedRobot& imported, const RobotAnato
                     "\" does not follow");
   }
   return {};
-}
-
-std::map<std::string, double> urdf_speeds(const std::string& path) {
-  std::map<std::string, double> speeds;
-  const auto text = read_file(path, ErrorKind::kConfig);
-  if (!text) return speeds;
-  tinyxml2::XMLDocument document;
-  if (!parse_xml(text->view(), document)) {
-    return speeds;
-  }
-  const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
-  if (robot == nullptr) return speeds;
-  for (const auto* joint = robot->FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
-    const auto* limit = joint->FirstChildElement("limit");
-    const char* name = joint->Attribute("name");
-    const char* velocity = limit == nullptr ? nullptr : limit->Attribute("velocity");
-    if (name == nullptr || velocity == nullptr) continue;
-    const std::string_view digits(velocity);
-    double speed = 0.0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), speed);
-    if (error == std::errc() && std::isfinite(speed) && speed > 0.0) speeds[name] = speed;
-  }
-  return speeds;
 }
 
 std::vector<RobotFinding> model_findings(const Robot& robot) {

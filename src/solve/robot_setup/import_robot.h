@@ -42,8 +42,4 @@ struct ImportedRobot {
 /// that are missing, empty, or in the wrong unit.
 [[nodiscard]] std::vector<RobotFinding> model_findings(const Robot& robot);
 
-/// The joint speed limits of a URDF (`<limit velocity="...">`) that are above 0, by joint name;
-/// rad/s or m/s. Empty for other files.
-[[nodiscard]] std::map<std::string, double> urdf_speeds(const std::string& path);
-
 }  // namespace retarget
