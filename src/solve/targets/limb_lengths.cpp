@@ -314,16 +314,13 @@ Result<RobotLimbs> RobotMeasure::measure_arms() {
 Result<RobotLimbs> RobotMeasure::measure() {
   TRY_ASSIGN(const Pair legs, measure_pair({leg_of(Side::kLeft), leg_of(Side::kRight)}));
   find_ankle_height();
-  limbs_.forearms = has_forearms();
-  TRY_ASSIGN(const Pair arms,
-             measure_pair({arm_of(Side::kLeft), arm_of(Side::kRight)}, limbs_.forearms ? 3 : 2));
+  TRY(measure_arms());
   note(Bone::kHips, legs.middle);
   limbs_.hip_centre = legs.middle;
-  limbs_.shoulder_centre = arms.middle;
   limbs_.hip_line = legs.across;
-  limbs_.shoulder_line = arms.across;
-  limbs_.lengths = {legs.length, arms.length, (arms.middle - legs.middle).norm()};
-  const auto& [leg, arm, trunk] = limbs_.lengths;
+  auto& [leg, arm, trunk] = limbs_.lengths;
+  leg = legs.length;
+  trunk = (limbs_.shoulder_centre - legs.middle).norm();
   if (!(leg > 0.0 && arm > 0.0 && trunk > 0.0)) {
     return config_failure(config_.file, "a limb of the robot has zero length", kOtherScaleHint);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "base/try.h"
 #include "retarget/human_skeleton.h"
@@ -27,12 +28,10 @@ class HumanMaker {
         limbs_(limbs),
         zero_(robot.tree(), robot.zero_configuration()) {}
 
-  // @param add  called with a bone, its axes, the body that carries it, and its position in that
-  //     body.
-  template <typename Add>
-  Result<void> make(const Add& add);
+  Result<void> make();
 
-  [[nodiscard]] const std::array<std::optional<FootSole>, 2>& soles() const { return soles_; }
+  std::vector<RobotAsHuman::Part> parts;
+  std::array<std::optional<FootSole>, 2> soles;
 
  private:
   // The axes of a bone in the frame of a body.
@@ -55,18 +54,19 @@ class HumanMaker {
   [[nodiscard]] Eigen::Vector3d waist(int pelvis, int torso) const;
   [[nodiscard]] std::optional<FootSole> sole_of(Side side, int foot,
                                                 const Pose& body_from_sole) const;
-  template <typename Add>
-  void add_trunk(const Axes& hips, const Add& add) const;
-  template <typename Add>
-  void add_leg(Side side, const Add& add);
-  template <typename Add>
-  void add_arm(Side side, const Add& add) const;
+  // @param carrier  the body that carries the bone.
+  // @param place    position in this body.
+  void add(Bone bone, const Axes& axes, int carrier, const Eigen::Vector3d& place) {
+    parts.push_back({bone, axes.body, carrier, axes.body_from_bone, place});
+  }
+  void add_trunk(const Axes& hips);
+  void add_leg(Side side);
+  void add_arm(Side side);
 
   const Robot& robot_;
   const ResolvedConfig& config_;
   const RobotLimbs& limbs_;
   TreeState zero_;
-  std::array<std::optional<FootSole>, 2> soles_;
 };
 
 // Common point of the joints between pelvis and torso; without joints, the middle of the trunk.
@@ -91,8 +91,7 @@ Eigen::Vector3d HumanMaker::waist(int pelvis, int torso) const {
   return common_point(zero_, joints);
 }
 
-template <typename Add>
-void HumanMaker::add_trunk(const Axes& hips, const Add& add) const {
+void HumanMaker::add_trunk(const Axes& hips) {
   const ConfigTask* const spine = torso_task(config_);
   const Axes torso = spine == nullptr || spine->body < 0 ? hips : axes_of(*spine);
   const auto add_at = [&](Bone bone, const Axes& axes, int carrier, const Eigen::Vector3d& place) {
@@ -137,8 +136,7 @@ std::optional<FootSole> HumanMaker::sole_of(Side side, int foot, const Pose& bod
   return std::nullopt;
 }
 
-template <typename Add>
-void HumanMaker::add_leg(Side side, const Add& add) {
+void HumanMaker::add_leg(Side side) {
   const Bone shin = side_bone(side, kLeg);
   const auto shin_axes = axes_of(shin);
   add(shin, *shin_axes, shin_axes->body, limbs_.body_from_joint[shin]);
@@ -154,16 +152,15 @@ void HumanMaker::add_leg(Side side, const Add& add) {
       ankle};
   add(foot, Axes{body, body_from_sole.rotation * sole_from_foot}, body, ankle);
   const std::size_t index = side == Side::kLeft ? 0 : 1;
-  soles_[index] = sole_of(side, body, body_from_sole);
+  soles[index] = sole_of(side, body, body_from_sole);
   const Eigen::Vector3d toe =
-      soles_[index] ? soles_[index]->toe.middle
-                    : Eigen::Vector3d(sole_from_foot *
-                                      (kToeShare * limbs_.lengths.leg * Eigen::Vector3d::UnitX()));
+      soles[index] ? soles[index]->toe.middle
+                   : Eigen::Vector3d(sole_from_foot *
+                                     (kToeShare * limbs_.lengths.leg * Eigen::Vector3d::UnitX()));
   add(side_bone(side, kToe), Axes{body, body_from_sole.rotation}, body, body_from_sole * toe);
 }
 
-template <typename Add>
-void HumanMaker::add_arm(Side side, const Add& add) const {
+void HumanMaker::add_arm(Side side) {
   const Bone forearm = side_bone(side, kForeArm), hand = side_bone(side, kHand);
   const Axes lower = *axes_of(forearm);
   const Eigen::Vector3d& elbow = limbs_.body_from_joint[forearm];
@@ -177,18 +174,17 @@ void HumanMaker::add_arm(Side side, const Add& add) const {
   add(hand, lower, lower.body, elbow + kForearmShare * limbs_.lengths.arm * along);
 }
 
-template <typename Add>
-Result<void> HumanMaker::make(const Add& add) {
+Result<void> HumanMaker::make() {
   const auto hips = axes_of(Bone::kHips);
   if (!hips) {
     return config_failure(config_.file,
                           "no body follows Hips: the robot cannot be used as a human");
   }
   add(Bone::kHips, *hips, hips->body, limbs_.body_from_joint[Bone::kHips]);
-  add_trunk(*hips, add);
+  add_trunk(*hips);
   for (const Side side : kSides) {
-    add_leg(side, add);
-    add_arm(side, add);
+    add_leg(side);
+    add_arm(side);
   }
   return {};
 }
@@ -199,10 +195,9 @@ Result<RobotAsHuman> RobotAsHuman::make(const Robot& robot, const ResolvedConfig
   TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, config));
   HumanMaker maker(robot, config, limbs);
   RobotAsHuman human;
-  TRY(maker.make([&](Bone bone, const auto& axes, int carrier, const Eigen::Vector3d& place) {
-    human.parts_.push_back({bone, axes.body, carrier, axes.body_from_bone, place});
-  }));
-  human.soles_ = maker.soles();
+  TRY(maker.make());
+  human.parts_ = std::move(maker.parts);
+  human.soles_ = std::move(maker.soles);
   return human;
 }
 

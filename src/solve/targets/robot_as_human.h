@@ -27,6 +27,14 @@ namespace retarget {
 /// without soles, ahead of the ankles at a human's distance.
 class RobotAsHuman {
  public:
+  /// The origin of a bone's pose.
+  struct Part {
+    Bone bone = Bone::kHips;
+    int turning = 0, carrying = 0;  ///< Bodies that determine the rotation and the position.
+    Eigen::Quaterniond turning_from_bone;
+    Eigen::Vector3d place;  ///< Position in the frame of the body `carrying`, metres.
+  };
+
   /// Errors (kConfig): those of robot_limbs; no body follows the hips.
   [[nodiscard]] static Result<RobotAsHuman> make(const Robot& robot, const ResolvedConfig& config);
 
@@ -35,13 +43,6 @@ class RobotAsHuman {
   [[nodiscard]] RobotHuman human_of(const RobotClip& motion) const;
 
  private:
-  // The origin of a bone's pose.
-  struct Part {
-    Bone bone = Bone::kHips;
-    int turning = 0, carrying = 0;  // Bodies that determine the rotation and the position.
-    Eigen::Quaterniond turning_from_bone;
-    Eigen::Vector3d place;  // Position in the frame of the body `carrying`, metres.
-  };
   void pose(const TreeState& posed, HumanPose& world_from_bone) const;
 
   std::vector<Part> parts_;

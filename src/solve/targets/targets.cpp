@@ -31,11 +31,6 @@ Eigen::Quaterniond HeldBase::turn(const HumanPose& world_from_bone) const {
   return (base_from_standing_ * frame.conjugate()).normalized();
 }
 
-std::optional<HeldBase> held_base(const Robot& robot, const ResolvedConfig& config) {
-  if (!robot.fixed_base()) return std::nullopt;
-  return HeldBase(robot, config);
-}
-
 HumanClip seen_by(const HeldBase& base, Bone root, HumanClip human) {
   for (HumanPose& pose : human.world_from_bone) {
     const Eigen::Quaterniond turn = base.turn(pose);
@@ -348,8 +343,8 @@ Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSo
   const double height = scale == ScaleRule::kTable ? human.height : human.size;
   TargetBuilder targets(config, height, scale);
   TRY(check_bones(human, targets, config.file));
-  if (const auto held = held_base(robot, config)) {
-    targets.hold(*held);
+  if (robot.fixed_base()) {
+    targets.hold(HeldBase(robot, config));
     if (trunk == TrunkRule::kLines && !human.built) targets.aim_limbs(config);
     return targets;
   }

@@ -49,9 +49,6 @@ class HeldBase {
   Eigen::Vector3d place_;
 };
 
-/// The transform for a robot; empty for a floating base.
-[[nodiscard]] std::optional<HeldBase> held_base(const Robot& robot, const ResolvedConfig& config);
-
 /// Transforms a human clip for a robot with a fixed base.
 [[nodiscard]] HumanClip seen_by(const HeldBase& base, Bone root, HumanClip human);
 
@@ -80,24 +77,8 @@ struct LimbAim {
 /// Computes the target poses of robot bodies from the poses of human bones, which are scaled about
 /// the root and offset.
 ///
-/// The poses of a frame are world poses, metres, Z up. The scale s_b of a bone is its scale in the
-/// configuration times height / human_height_assumption (for ScaleRule::kTable), or times
-/// 1.75 m / human_height_assumption * 1.75 m / height (for the other rules):
-///   root:    p' = s_root p              (about the origin of the world)
-///   others:  p' = s_root p_root + s_b (p - p_root)
-///   all:     q' = q r_b,  p'' = p' + q' (o_b - [0, 0, ground_height])
-/// Here r_b and o_b are the offsets of table 1, also for the second pass. Bones without a weight in
-/// table 1 have the offsets of table 2.
-///
-/// With limb scaling, h is the middle of the human's hips, s_leg, s_trunk and s_arm are the ratios
-/// of the robot's lengths to the human's, and c_b is the position of the bone's joint in the body
-/// that follows it:
-///   h' = s_leg h + [0, 0, ankle height of the robot - s_leg times that of the human]
-///   root:                      p' = h' - q' c
-///   legs, trunk, neck, head:   p' = h' + s (p - h) - q' c
-///   forearms and hands:        p' = h' + s_trunk (p_Arm - h) + s_arm (p - p_Arm) - q' c
-/// The human's ankle height is 0.0794 leg lengths (Drillis and Contini 1966). The last step is as
-/// above, but without o_b, which compensates for the scales of the table.
+/// The formulas are in docs/ik.md ("From a human frame to targets"). The poses of a frame are world
+/// poses, metres, Z up.
 ///
 /// With limb scaling, a TrunkAim can determine the rotations of Hips and Spine2, so that the
 /// robot's trunk leans like the human's. The targets of an arm are then shifted by the vector from
