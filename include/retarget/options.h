@@ -218,8 +218,8 @@ struct FitOptions {
   double support_friction = 0.6;  ///< Friction coefficient of the planned contact forces.
   double sole_shrink = 0.15;      ///< Share by which contact points move to the middle of a sole.
 
-  double soft_joint_speed = 8.4;  ///< Soft speed limit, rad/s.
-  double speed_weight = 8.0;      ///< Weight of a speed above soft_joint_speed, per rad/s.
+  double soft_joint_speed = 9.0;  ///< Soft speed limit, rad/s.
+  double speed_weight = 16.0;     ///< Weight of a speed above soft_joint_speed, per rad/s.
   double max_joint_speed = 14.4;  ///< Hard speed limit in addition to the joint's own, rad/s.
   double max_joint_step = 0.48;   ///< Hard limit of the change between two frames, rad.
 

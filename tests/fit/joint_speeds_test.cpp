@@ -221,6 +221,24 @@ TEST_F(JointSpeedsTest, HessianMajorisesTheCost) {
   }
 }
 
+// With weights above half of the bound, steps still converge; with smaller ones, slow displacements
+// of the root take fewer of them.
+TEST_F(JointSpeedsTest, RootIsOverRelaxed) {
+  make_clip(30, 30.0);
+  const Index count = clip_.frame_count - 1;
+  const MatrixXd curvature = std::pow(model_.smoothness[2] / clip_.frame_time, 2) *
+                             remaining(first_differences(count, kTime, 30.0), factors(2));
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(curvature).eigenvalues().maxCoeff();
+  const JointSpeeds found = speeds();
+  std::vector<StepTerm> terms(dofs_);
+  for (int t = 0; t < count; ++t) {
+    found.terms(t, terms);
+    EXPECT_GT(terms[2].weight, 0.55 * largest) << t;
+    EXPECT_LT(terms[2].weight, 0.65 * largest) << t;
+  }
+}
+
 TEST_F(JointSpeedsTest, LimbsInContactAreSmoothedByFirstDifferences) {
   FitOptions options;
   options.speed = false;

@@ -15,6 +15,10 @@ constexpr double kLimitShare = 0.9;
 // Factor for the smoothness weight of the root's position if there is no RootReference: the term
 // then penalises the accelerations themselves.
 constexpr double kWithoutReference = 0.4;
+// Divisor of the upper bound of the root position's term (over-relaxation). With the bound itself,
+// ten steps move the root by only a part of a slow displacement, such as a crouch. With any divisor
+// below 2, every step still lowers the cost.
+constexpr double kRootRelaxation = 1.7;
 // Seconds before and after a contact of an arm in which it counts as in contact. A hand that
 // approaches the floor with changing acceleration moves the whole body.
 constexpr double kArmMargin = 0.3;
@@ -46,6 +50,7 @@ JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, const
       speed_weight_(options.speed ? square(options.speed_weight / clip.frame_time) : 0.0),
       smoothing_(square(options.smoothing_time / clip.frame_time)),
       stiffness_(majorant(4.0 * smoothing_)),
+      root_stiffness_(stiffness_ / kRootRelaxation),
       limb_smoothing_(square(square(options.limb_smoothing_time / clip.frame_time))) {
   for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
     const double share = i < 3 && !root_.exists() ? kWithoutReference : 1.0;
@@ -192,7 +197,8 @@ void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
 void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
   const double *v = row(steps_, frame), *s = row(smooth_, frame);
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    terms[i] = {stiffness_ * smooth_weight_[i], smooth_weight_[i] * (v[i] - s[i])};
+    const double stiffness = i < 3 ? root_stiffness_ : stiffness_;
+    terms[i] = {stiffness * smooth_weight_[i], smooth_weight_[i] * (v[i] - s[i])};
   }
   for (const Limb& limb : limbs_) {
     const double stiffness = limb.stiffness[at(frame - first_)];

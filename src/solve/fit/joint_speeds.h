@@ -36,6 +36,7 @@ struct StepTerm {
 /// accelerations with the weight (w T)^2. Its matrix couples distant frames. No eigenvalue of L
 /// exceeds 4, so (w / dt)^2 4 l / (1 + 4 l) times the identity is an upper bound of the matrix. The
 /// bound couples only consecutive frames, and with it every step lowers the cost (majorisation).
+/// The root's position uses less than the bound (over-relaxation).
 ///
 /// For the joints of arms and legs, s minimises |v - s|^2 + (T / dt)^4 |D D s|^2, with another T.
 /// The term then penalises changes of acceleration, and a limb may turn round as fast as the
@@ -93,6 +94,7 @@ class JointSpeeds {
   double speed_weight_;                // (u / dt)^2.
   double smoothing_;                   // (T / dt)^2.
   double stiffness_;                   // 4 l / (1 + 4 l).
+  double root_stiffness_;              // Of the root's position.
   double limb_smoothing_;              // (T / dt)^4 of limbs.
   std::vector<Limb> limbs_;
   PentadiagonalMatrix smoothness_;
