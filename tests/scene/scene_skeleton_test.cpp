@@ -233,7 +233,7 @@ TEST(SceneSkeletonTest, NamesSkeletonsIfTheRequestedOneIsMissing) {
   EXPECT_THAT(missing.error().message, HasSubstr("found hips"));
 }
 
-// A torso of 12 joints and two legs below a node that is no joint.
+// A torso of 12 joints and two legs below a node that is not a joint.
 SceneGraph scene_with_dummy_hips(bool moves, double leg_distance) {
   SceneGraph scene = scene_of_one_take();
   const int armature = add_chain(scene, "armature", -1, 1, false, false);

@@ -129,7 +129,7 @@ bool is_gltf_text(std::string_view bytes) {
   return bytes.starts_with('{') && bytes.find("\"asset\"") != std::string_view::npos;
 }
 
-// XML from its first element on, after a byte order mark, comments and declarations; empty for
+// XML without the byte order mark, comments and declarations before its first element; empty for
 // other text.
 std::string_view from_xml_root(std::string_view bytes) {
   bytes = without_bom(bytes);

@@ -46,14 +46,16 @@ std::vector<JointTreeSize> joint_trees(const SceneGraph& scene, const std::vecto
   return trees;
 }
 
-// The nearest node above a tree that moves in any take; -1: none.
-int moving_node_above(const SceneGraph& scene, int root) {
-  int node = scene.nodes[as_size(root)].parent;
-  const auto moves = [&](const SceneTake& take) { return take.moves[as_size(node)]; };
-  while (node >= 0 && std::ranges::none_of(scene.takes, moves)) {
-    node = scene.nodes[as_size(node)].parent;
+// The nearest node above each node that moves in any take; -1: none.
+std::vector<int> moving_nodes_above(const SceneGraph& scene) {
+  std::vector<int> above;
+  for (const SceneNode& node : scene.nodes) {
+    const auto moves = [&](const SceneTake& take) { return take.moves[as_size(node.parent)]; };
+    above.push_back(node.parent < 0                           ? -1
+                    : std::ranges::any_of(scene.takes, moves) ? node.parent
+                                                              : above[as_size(node.parent)]);
   }
-  return node;
+  return above;
 }
 
 // Whether trees are one torso and, near its root, two legs with equal numbers of joints. Controls
@@ -78,9 +80,10 @@ bool are_torso_and_legs(const std::vector<JointTreeSize>& trees,
 
 bool mark_dummy_hips(const SceneGraph& scene, std::vector<bool>& marks) {
   const std::vector<Eigen::Vector3d> places = node_rests(scene);
+  const std::vector<int> above = moving_nodes_above(scene);
   std::map<int, std::vector<JointTreeSize>> trees_below;
   for (const JointTreeSize& tree : joint_trees(scene, marks, places)) {
-    trees_below[moving_node_above(scene, tree.root)].push_back(tree);
+    trees_below[above[as_size(tree.root)]].push_back(tree);
   }
   bool found = false;
   for (const auto& [node, trees] : trees_below) {
