@@ -44,7 +44,9 @@ std::string describe_value(const PickleDocument& document, const PickleNode& nod
     case Kind::kList:
     case Kind::kTuple:
       // numpy.save wraps a dictionary in an array of one object.
-      if (node.items.size() == 1) return describe_value(document, document.at(node.items[0]));
+      if (node.items.size() == 1 && document.at(node.items[0]).kind == Kind::kDict) {
+        return describe_value(document, document.at(node.items[0]));
+      }
       return fmt::format("a list of {} values", node.items.size());
     case Kind::kDict: {
       const std::vector<std::string> names = document.keys(node);
