@@ -167,6 +167,14 @@ class WhatIsUnderstood(ToolTest):
         self.assert_done(result)
         self.assertIn("no arms", result.stderr)
 
+    def test_a_clip_of_one_pose_is_reported(self):
+        hierarchy, header, rows = parts("wave")
+        still = joined(hierarchy, ["Frames: 30", header[1]], [rows[0]] * 30)
+        for motion, expected in ((still, self.assertIn), (sample("wave").read_text(), self.assertNotIn)):
+            result = self.retarget(bvh=self.write("still.bvh", motion))
+            self.assert_done(result)
+            expected("warning: no arm and no leg moves in the whole clip", result.stderr)
+
     def test_given_options_override_the_calibration(self):
         report = self.inspect(sample("walk"), "--height", "1.9", "--up", "z", "--unit", "0.02")
         self.assertEqual((report["height_m"], report["up"], report["metres_per_unit"]),

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "formats/bvh/read_bvh.h"
+#include "formats/containers/npz.h"
+#include "support/npz_builder.h"
 
 namespace retarget {
 namespace {
@@ -30,6 +34,46 @@ TEST(FileKindTest, AKnownTypeIsNotComparedWithBvh) {
     EXPECT_THAT(read.error().message, HasSubstr("expected a human motion, found"));
     EXPECT_THAT(read.error().message, Not(HasSubstr("HIERARCHY")));
   }
+}
+
+TEST(FileKindTest, NamesFilesThatAreNoMotions) {
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {std::string("\0\0\0\x20"
+                   "ftypisom",
+                   12),
+       "video"},
+      {"\x89PNG\r\n\x1a\n", "PNG"},
+      {"%PDF-1.7\n", "PDF"},
+      {"Vocaloid Motion Data 0002", "VMD"},
+      {R"({"version":1.3,"people":[{"person_id":[-1],"pose_keypoints_2d":[1,2]}]})", "OpenPose"},
+      {R"([{"a": 1}])", "JSON"},
+      {"# Blender\nmtllib a.mtl\no Cube\n", "OBJ"},
+      {"<!-- robot -->\n<mujoco model=\"g1\">", "MJCF"},
+      {"<?xml version=\"1.0\"?>\n<robot name=\"g1\">", "URDF"},
+      {"<?xml version=\"1.0\"?>\n<svg>", "XML"},
+      {"\xEF\xBB\xBF"
+       "Format Version,1.23,Take Name,Take 1\n",
+       "Motive"},
+      {"NO_OF_FRAMES\t100\nNO_OF_CAMERAS\t8\n", "Qualisys"}};
+  for (const auto& [bytes, name] : files) {
+    const FileType type = file_type(bytes);
+    EXPECT_EQ(type.kind, FileKind::kForeign) << name;
+    EXPECT_THAT(std::string(type.what), HasSubstr(name));
+    EXPECT_FALSE(type.hint.empty()) << name;
+    EXPECT_THAT(read_bvh(bytes, "walk.bvh", {}).error().message, HasSubstr(name));
+  }
+  // Tables of robots.
+  for (const char* table : {"0.1,0.2\n", "v,o\n1,2\n", "# comment\n1 2 3\n", "time,x\n0,1\n"}) {
+    EXPECT_EQ(file_type(table).kind, FileKind::kOther) << table;
+  }
+}
+
+TEST(FileKindTest, AnArchiveNamesItsFiles) {
+  const std::string bytes = NpzBuilder().add_entry("walk.bvh", "HIERARCHY", {}).build();
+  const auto file = NpzFile::open(bytes, "walk.npz");
+  ASSERT_FALSE(file.has_value());
+  EXPECT_THAT(file.error().message, HasSubstr("a ZIP archive of other files: walk.bvh"));
+  EXPECT_THAT(file.error().hint, HasSubstr("unpack it"));
 }
 
 }  // namespace

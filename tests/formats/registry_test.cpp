@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
@@ -229,6 +231,38 @@ TEST(FormatRegistry, DocumentationHasTheSameRows) {
   }
   EXPECT_EQ(table_below(page, "| format | file | read by |"), robots);
   EXPECT_EQ(table_below(page, "| format | file | written by | details |"), humans);
+}
+
+// A file of zeros occupies no space on disk.
+TEST(FormatRegistry, ChecksTheStartOfLargeFiles) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const std::string& start, std::uintmax_t size) {
+    const std::string path = (folder.path() / "a.bvh").string();
+    std::ofstream(path, std::ios::binary) << start;
+    std::filesystem::resize_file(path, size);
+    const auto checked = check_start_of_large_file(path);
+    return checked ? std::string() : checked.error().message;
+  };
+  constexpr std::uintmax_t kLarge = std::uintmax_t{1} << 30U;
+  EXPECT_THAT(error_of(std::string("\0\0\0\x20", 4) + "ftypisom", kLarge), HasSubstr("a video"));
+  EXPECT_THAT(error_of("", kLarge), HasSubstr("binary data of an unknown type"));
+  EXPECT_EQ(error_of("", 4096), "");
+  EXPECT_EQ(error_of("HIERARCHY\n", kLarge), "");
+  EXPECT_EQ(error_of("PK\x03\x04", kLarge), "");
+  EXPECT_TRUE(check_start_of_large_file((folder.path() / "none").string()));
+  EXPECT_TRUE(check_start_of_large_file(folder.path().string()));
+}
+
+TEST(FormatRegistry, RejectsARootOfArrays) {
+  SourceOptions source;
+  source.root = "Foo";
+  for (const char* format : {"smpl", "positions"}) {
+    const auto read = read_human_file(human_samples().at(format), "walk.npz",
+                                      {source, false, std::size_t{1} << 30U});
+    ASSERT_FALSE(read.has_value());
+    EXPECT_EQ(read.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(read.error().message, HasSubstr("contains arrays"));
+  }
 }
 
 }  // namespace

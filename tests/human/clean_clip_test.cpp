@@ -447,5 +447,13 @@ TEST(CleanClip, NamesTheEvidenceForADrift) {
   EXPECT_THAT(report.notes[0], Not(HasSubstr("slid")));
 }
 
+TEST(CleanClip, FindsAClipOfOnePose) {
+  Clip clip = recorded_clip("walk");
+  EXPECT_FALSE(still_limbs(clip).all);
+  freeze(clip, {"Left", "Right", "Spine"});
+  EXPECT_TRUE(still_limbs(clip).all);
+  EXPECT_THAT(still_limbs(clip).names, IsEmpty());
+}
+
 }  // namespace
 }  // namespace retarget

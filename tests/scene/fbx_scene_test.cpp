@@ -350,5 +350,34 @@ TEST(FbxSceneTest, FindsTheRestPoseInAllTakes) {
   EXPECT_EQ(first_turn("B", 5), 55);
 }
 
+// Shoulders that hang from the neck and keep their place when the head turns, as in 3ds Max.
+TEST(FbxSceneTest, JointsThatTranslateHaveTheirOffsetOfTheRestPose) {
+  FbxText file;
+  const int neck = file.node("Neck", 0, {0, 10, 0});
+  const int shoulder = file.node("Shoulder", neck, {2, 0, 0});
+  file.node("Arm", shoulder, {3, 0, 0});
+  file.take("turn", 0, 1);
+  file.keys(neck, "Lcl Rotation", {{0, {0, 40, 0}}, {1, {0, 0, 0}}});
+  const double angle = 40.0 * std::numbers::pi / 180.0;
+  file.keys(shoulder, "Lcl Translation",
+            {{0, {2.2 * std::cos(angle), 0, 2.2 * std::sin(angle)}}, {1, {2.2, 0, 0}}});
+  const auto clip = read_scene(file.text(), "test.fbx");
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_TRUE(clip->skeleton().joint(1).has_position_channels());
+  // The median of the bones' lengths is between both.
+  EXPECT_LT((clip->skeleton().joint(1).offset - Vector3d(2.1, 0, 0)).norm(), 1e-6);
+  EXPECT_NEAR(clip->translation(0, 1).norm(), 2.2, 1e-6);
+
+  // Without a length in the rest pose, the first frame gives the offset.
+  FbxText flat;
+  const int hips = flat.node("Hips", 0, {0, 10, 0});
+  const int leg = flat.node("Leg", hips, {0, 0, 0});
+  flat.take("move", 0, 1);
+  flat.keys(leg, "Lcl Translation", {{0, {0, -4, 0}}, {1, {0, -5, 0}}});
+  const auto moved = read_scene(flat.text(), "flat.fbx");
+  ASSERT_TRUE(moved) << moved.error().message;
+  EXPECT_LT((moved->skeleton().joint(1).offset - Vector3d(0, -4, 0)).norm(), 1e-6);
+}
+
 }  // namespace
 }  // namespace retarget

@@ -224,5 +224,41 @@ TEST(MvnxTest, ReadsFilesWithADocumentType) {
   }
 }
 
+TEST(MvnxTest, ReadsTheRequestedSubject) {
+  Document first, second;
+  first.add("normal", poses(0.0));
+  for (const double angle : {0.3, 0.6}) second.add("normal", poses(angle));
+  std::string text = second.text();
+  const std::size_t begin = text.find("<subject"), end = text.find("</mvnx>");
+  std::string other = text.substr(begin, end - begin);
+  other.replace(other.find("\"A\""), 3, "\"B\"");
+  text = first.text();
+  text.insert(text.find("</mvnx>"), other);
+  const auto read = [&](const std::string& root, const std::string& take = {}) {
+    SceneReadOptions options;
+    options.root = root;
+    options.take = take;
+    return read_mvnx(text, "two.mvnx", options);
+  };
+  const auto plain = read("");
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->frame_count(), 1);
+  ASSERT_EQ(plain->origin().warnings.size(), 1U);
+  EXPECT_THAT(plain->origin().warnings[0].message, HasSubstr("2 subjects is read: A, B"));
+  for (const char* root : {"B", "2"}) {
+    const auto chosen = read(root);
+    ASSERT_TRUE(chosen) << chosen.error().message;
+    EXPECT_EQ(chosen->frame_count(), 2);
+    EXPECT_TRUE(chosen->origin().warnings.empty());
+    EXPECT_THAT(chosen->origin().choices, HasSubstr("subject 2 of 2"));
+  }
+  EXPECT_TRUE(read("A", "1"));
+  for (const auto& wrong : {read("C"), read("3"), read("", "2")}) {
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().kind, ErrorKind::kUsage);
+  }
+  EXPECT_THAT(read("C").error().message, HasSubstr("found A, B"));
+}
+
 }  // namespace
 }  // namespace retarget

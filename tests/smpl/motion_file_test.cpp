@@ -227,5 +227,58 @@ TEST(MotionFileTest, BytesDetermineTheReader) {
   EXPECT_EQ(file_type("").kind, FileKind::kForeign);
 }
 
+// WHAM writes camera translations under the usual name next to those of the world.
+TEST(MotionFileTest, WorldRotationsHaveWorldTranslations) {
+  const Parts parts;
+  const std::vector<double> poses = float_numbers(5, kPartFrames * 72, 0.5);
+  const auto wham = [&](bool has_camera) {
+    PickleWriter pickle;
+    pickle.begin_dict();
+    const auto add = [&](const char* name, const std::vector<double>& values, std::size_t width) {
+      pickle.text(name);
+      pickle.array(float64_array(values, {values.size() / width, width}));
+    };
+    if (has_camera) {
+      add("pose", float_numbers(6, kPartFrames * 72, 0.5), 72);
+      add("trans", float_numbers(7, kPartFrames * 3, 4.0), 3);
+    }
+    add("pose_world", poses, 72);
+    add("trans_world", parts.trans, 3);
+    pickle.end_dict();
+    return pickle.finish();
+  };
+  SmplReadOptions options;
+  options.source_fps = 30;
+  expect_same_motion(motion_of(wham(true), options), motion_of(wham(false), options));
+}
+
+TEST(MotionFileTest, WarnsAboutGapsInTheNumbersOfFrames) {
+  const Parts parts;
+  const auto warnings = [&](const std::vector<double>& ids) {
+    NpzBuilder builder;
+    builder.add("poses", npy_doubles({kPartFrames, 66}, std::vector<double>(kPartFrames * 66, .1)));
+    builder.add("trans", npy_doubles({kPartFrames, 3}, parts.trans));
+    builder.add("fps", npy_doubles({}, {10}));
+    builder.add("frame_ids", npy_doubles({ids.size()}, ids));
+    return warnings_of(motion_of(builder.build()));
+  };
+  EXPECT_THAT(warnings({7, 8, 9, 40, 42}),
+              HasSubstr("\"frame_ids\" leaves out 31 frames in 2 places, first after 9 (0.20 s"));
+  EXPECT_THAT(warnings({7, 8, 9, 10, 11}), Not(HasSubstr("frame_ids")));
+  EXPECT_THAT(warnings({7, 40}), Not(HasSubstr("frame_ids")));
+}
+
+// numpy.save wraps a dictionary in an array of one object.
+TEST(MotionFileTest, NamesTheArraysOfAnotherDictionary) {
+  PickleWriter pickle;
+  pickle.begin_list();
+  pickle.begin_dict();
+  pickle.text("pred_rotmat");
+  pickle.array(float64_array(std::vector<double>(2), {2}));
+  pickle.end_dict();
+  pickle.end_list();
+  EXPECT_THAT(error_of(pickle.finish()), HasSubstr("found a dictionary of pred_rotmat"));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -169,11 +169,11 @@ OptionTable source_table(SourceOptions& options) {
              {.uses = kReading}),
       option("root", options.root, kInputGroup, "NAME",
              "Skeleton to read if the file contains several ROOTs or skeletons: its name, or its "
-             "number from 1 if names are equal (FBX, glTF)",
+             "number from 1 if names are equal (FBX, glTF); the subject of an MVNX file",
              {.uses = kReading}),
       option("take", options.take, kInputGroup, "NAME|N",
              "Motion to read if the file contains several: its name, or its number from 1 (FBX, "
-             "glTF; default: the longest one with movement)",
+             "glTF, SMPL, positions; default: the longest one that moves the body)",
              {.uses = kReading}),
       option("joint-names", options.joint_names, kInputGroup, "FILE",
              "Joint names, one per line or as a JSON list, for a file of joint positions whose "

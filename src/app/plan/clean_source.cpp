@@ -80,6 +80,12 @@ void doubt_freezes(const Clip& clip, Plan& plan) {
 
 void doubt_limbs(const Clip& clip, Plan& plan) {
   const StillLimbs still = find_still_limbs(clip, plan.human.calibration);
+  if (still.all) {
+    plan.clip_doubts.push_back(
+        {0, 0,
+         "no arm and no leg moves in the whole clip: it holds one pose, or other joints than the "
+         "recognised ones move"});
+  }
   for (const std::string& name : still.names) {
     plan.clip_doubts.push_back(
         {0, 0,

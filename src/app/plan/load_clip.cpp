@@ -47,6 +47,7 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
   TRY(check_robot_source(options));
   const std::string name = file == "-" ? "standard input" : file;
   TRY(check_no_folder(file));
+  TRY(check_start_of_large_file(file));
   const std::size_t max_bytes = memory_share(options.memory_gb);
   TRY_ASSIGN(const auto bytes, read_file(file, ErrorKind::kInput, max_bytes, kLargeFileHint));
   TRY_ASSIGN(HumanFile human,

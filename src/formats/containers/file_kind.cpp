@@ -35,12 +35,28 @@ constexpr std::string_view kMarkersHint =
     "as "
     "FBX or BVH";
 
+constexpr std::string_view kVideoHint =
+    "estimate the motion in the video first, for example with GVHMR, and give its result: "
+    "docs/smpl.md";
+constexpr std::string_view kNoMotionHint = "give a file with the motion of a human or a robot";
+constexpr std::string_view kModelHint =
+    "give a motion; retarget robots add makes a robot of a model";
+
 constexpr std::array kSignatures = {
     Signature{"version https://git-lfs", "a git-LFS pointer", kLfsHint},
     Signature{"<!doctype html", "a web page", kWebHint},
     Signature{"<html", "a web page", kWebHint},
     Signature{"<head", "a web page", kWebHint},
-    Signature{"<?xml", "an XML document", "export the motion as FBX, GLB or BVH"},
+    Signature{"\x89png", "a PNG image", kNoMotionHint},
+    Signature{"\xff\xd8\xff", "a JPEG image", kNoMotionHint},
+    Signature{"gif8", "a GIF image", kNoMotionHint},
+    Signature{"%pdf-", "a PDF document", kNoMotionHint},
+    Signature{"\x1a\x45\xdf\xa3", "a Matroska or WebM video", kVideoHint},
+    Signature{"riff", "an AVI video or a WAV sound", kVideoHint},
+    Signature{"vocaloid motion data", "a VMD motion of MikuMikuDance",
+              "apply it to its model, for example in Blender, and export that as FBX, GLB or BVH"},
+    Signature{"format version,", "a CSV of Motive", kMarkersHint},
+    Signature{"no_of_frames\t", "a TSV of Qualisys Track Manager", kMarkersHint},
     Signature{"\x89hdf", "an HDF5 file", "save its arrays with numpy.savez"},
     Signature{"bzh", "a bzip2 archive", kUnsupportedHint},
     Signature{"\xfd"
@@ -113,20 +129,69 @@ bool is_gltf_text(std::string_view bytes) {
   return bytes.starts_with('{') && bytes.find("\"asset\"") != std::string_view::npos;
 }
 
-// The first element after a byte order mark, comments and declarations is `mvnx`.
-bool is_mvnx(std::string_view bytes) {
+// XML without the byte order mark, comments and declarations before its first element; empty for
+// other text.
+std::string_view from_xml_root(std::string_view bytes) {
   bytes = without_bom(bytes);
   while (true) {
     skip_blanks(bytes);
-    if (bytes.starts_with("<mvnx")) return true;
-    if (!bytes.starts_with("<?") && !bytes.starts_with("<!")) return false;
+    if (!bytes.starts_with("<?") && !bytes.starts_with("<!")) {
+      return bytes.starts_with('<') ? bytes : std::string_view();
+    }
     std::string_view end = bytes.starts_with("<!--") ? "-->" : ">";
     // A document type may contain declarations in brackets.
     if (bytes.starts_with("<!DOCTYPE") && bytes.find('[') < bytes.find('>')) end = "]>";
     const std::size_t at = bytes.find(end);
-    if (at == std::string_view::npos) return false;
+    if (at == std::string_view::npos) return {};
     bytes.remove_prefix(at + end.size());
   }
+}
+
+FileType xml_type(std::string_view bytes) {
+  const std::string_view root = from_xml_root(bytes);
+  if (root.starts_with("<mvnx")) return {FileKind::kMvnx, "an MVNX file", kFbxHint};
+  if (root.starts_with("<mujoco")) {
+    return {FileKind::kForeign, "an MJCF model without motion", kModelHint};
+  }
+  if (root.starts_with("<robot")) {
+    return {FileKind::kForeign, "a URDF model without motion", kModelHint};
+  }
+  skip_blanks(bytes = without_bom(bytes));
+  if (!bytes.starts_with("<?xml")) return {};
+  return {FileKind::kForeign, "an XML document", "export the motion as FBX, GLB or BVH"};
+}
+
+// The first box of MP4 and MOV; its name follows its size.
+bool is_mp4(std::string_view bytes) {
+  const std::string_view box = bytes.substr(0, 8);
+  return box.ends_with("ftyp") || box.ends_with("moov") || box.ends_with("mdat");
+}
+
+FileType json_type(std::string_view bytes) {
+  skip_blanks(bytes = without_bom(bytes));
+  std::string_view inner = bytes;
+  while (inner.starts_with('[')) {
+    inner.remove_prefix(1);
+    skip_blanks(inner);
+  }
+  if (!inner.starts_with('{')) return {};
+  constexpr std::size_t kSearched = 4096;
+  if (bytes.substr(0, kSearched).find("\"pose_keypoints_2d\"") != std::string_view::npos) {
+    return {FileKind::kForeign, "OpenPose's key points in an image (JSON)", kVideoHint};
+  }
+  return {FileKind::kForeign, "a JSON file",
+          "save joint positions or rotations as arrays with numpy.savez: docs/positions.md"};
+}
+
+// OBJ has comments, then vertices or the name of a material library or object.
+bool is_obj(std::string_view bytes) {
+  while (true) {
+    skip_blanks(bytes);
+    if (!bytes.starts_with('#')) break;
+    take_until(bytes, '\n');
+  }
+  const std::string_view word = bytes.substr(0, bytes.find(' '));
+  return word == "mtllib" || word == "v" || word == "o";
 }
 
 bool begins_with(std::string_view text, const Signature& signature) {
@@ -159,7 +224,7 @@ FileType file_type(std::string_view bytes) {
   if (is_fbx_text(bytes)) return {FileKind::kFbx, "a text FBX file", kFbxHint};
   if (bytes.starts_with("glTF")) return {FileKind::kGltf, "a binary glTF file (GLB)", kFbxHint};
   if (is_gltf_text(bytes)) return {FileKind::kGltf, "a glTF file", kFbxHint};
-  if (is_mvnx(bytes)) return {FileKind::kMvnx, "an MVNX file", kFbxHint};
+  if (const FileType xml = xml_type(bytes); xml.kind == FileKind::kMvnx) return xml;
   if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
     return {FileKind::kBvh, "a BVH file", {}};
   }
@@ -169,7 +234,14 @@ FileType file_type(std::string_view bytes) {
   if (is_c3d(bytes)) {
     return {FileKind::kForeign, "a C3D file, which contains markers but no skeleton", kMarkersHint};
   }
-  std::string_view text = bytes;
+  if (is_mp4(bytes)) return {FileKind::kForeign, "a video (MP4 or MOV)", kVideoHint};
+  for (const FileType type : {xml_type(bytes), json_type(bytes)}) {
+    if (!type.what.empty()) return type;
+  }
+  if (is_obj(bytes)) {
+    return {FileKind::kForeign, "an OBJ mesh, which contains no skeleton", kNoMotionHint};
+  }
+  std::string_view text = without_bom(bytes);
   skip_blanks(text);
   for (const Signature& signature : kSignatures) {
     if (begins_with(text, signature)) {

@@ -128,6 +128,14 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
     }
     names.push_back(std::move(name));
   }
+  const auto is_array = [](const ZipEntry& entry) { return entry.name.ends_with(kSuffix); };
+  if (!entries.empty() && std::ranges::none_of(entries, is_array)) {
+    std::vector<std::string> found;
+    for (const ZipEntry& entry : entries) found.push_back(printable(entry.name));
+    return fault(
+        "expected an NPZ file, found a ZIP archive of other files: " + list_names(found, 8),
+        type.hint);
+  }
   NpzFile file(std::move(contents));
   file.names_ = std::move(names);
   return file;

@@ -79,6 +79,10 @@ struct Format {
 [[nodiscard]] Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
                                                 const HumanReadOptions& options);
 
+/// Rejects a large binary file, such as a video, by its first bytes before it is read. Other files
+/// pass, also files that cannot be opened: their readers report them.
+[[nodiscard]] Result<void> check_start_of_large_file(const std::string& path);
+
 /// The usual extension of outputs for this extension, such as `.pkl` for `.joblib`; empty if no
 /// output has it.
 [[nodiscard]] std::string_view output_ending(std::string_view ending);

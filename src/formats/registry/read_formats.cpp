@@ -1,6 +1,8 @@
 // Reads motion files of any format of the table.
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "formats/smpl/smpl_body.h"
 #include "motion/clip.h"
 #include "retarget/file.h"
+#include "retarget/os.h"
 #include "retarget/text.h"
 #include "robot/model/variant.h"
 
@@ -87,6 +90,11 @@ Result<void> check_options(const std::string& file, const SourceOptions& options
   const bool has_arrays = format.family.read_human == read_array_file;
   if (!options.smpl_model.empty() && !has_arrays) return no_smpl(file);
   if (!options.joint_names.empty() && !has_arrays) return no_positions(file);
+  if (!options.root.empty() && has_arrays) {
+    return usage_failure(OPTION("root") " applies only to files with a tree of joints, and \"" +
+                             file + "\" contains arrays",
+                         "omit it; " OPTION("take") " selects one of several motions");
+  }
   if (!options.take.empty() && format.family.read_human == read_bvh_file) {
     return usage_failure(OPTION("take") " applies only to files with several motions, and \"" +
                              file + "\" contains one motion",
@@ -198,9 +206,32 @@ Result<HumanFile> read_scene_file(std::string_view bytes, const std::string& fil
   return HumanFile(std::move(clip));
 }
 
+Result<void> check_start_of_large_file(const std::string& path) {
+  constexpr std::uint64_t kLarge = std::uint64_t{16} << 20U;
+  const auto status = os::status_of(path);
+  if (!status || status->kind != os::EntryKind::kRegular || status->bytes < kLarge) return {};
+  const int descriptor = os::open_file(path, os::OpenFor::kReading);
+  if (descriptor < 0) return {};
+  std::array<char, 4096> start;
+  const std::int64_t count = os::read_bytes(descriptor, start.data(), start.size());
+  os::close_file(descriptor);
+  if (count <= 0) return {};
+  const std::string_view bytes(start.data(), static_cast<std::size_t>(count));
+  // The type of a text may depend on all of it.
+  if (bytes.find('\0') == std::string_view::npos) return {};
+  const FileType type = file_type(bytes);
+  if (type.kind == FileKind::kForeign) {
+    return input_failure(path, "the file is " + std::string(type.what), std::string(type.hint));
+  }
+  if (type.kind != FileKind::kOther) return {};
+  return input_failure(path, "the file begins with binary data of an unknown type",
+                       "give a file with the motion of a human or a robot");
+}
+
 Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
                                   const HumanReadOptions& options) {
-  const FileKind kind = options.source.smpl ? FileKind::kNpz : file_type(bytes).kind;
+  const FileKind type = file_type(bytes).kind;
+  const FileKind kind = options.source.smpl ? FileKind::kNpz : type;
   const auto formats = all_formats();
   const Format& format = *std::ranges::find_if(formats, [kind](const Format& row) {
     return row.family.read_human != nullptr && row.family.reads(kind);
@@ -208,7 +239,7 @@ Result<HumanFile> read_human_file(std::string_view bytes, const std::string& fil
   TRY(check_options(file, options.source, format));
   auto read = format.family.read_human(bytes, file, options);
   if (!read && read.error().kind == ErrorKind::kInput &&
-      format.family.read_human != read_scene_file && !bytes.empty() &&
+      format.family.read_human != read_scene_file && type != FileKind::kForeign &&
       may_be_of_robot(file, bytes)) {
     read.error().hint = kFromRobotHint;
   }
@@ -250,6 +281,7 @@ Result<RobotMotion> load_robot_motion(const std::string& path,
                              (std::filesystem::path(path) / "*.csv").string() +
                              "; folders of human motions are for retarget batch");
   }
+  TRY(check_start_of_large_file(path));
   TRY_ASSIGN(const auto content,
              read_file(path, ErrorKind::kInput, options.max_bytes, kLargeFileHint));
   return parse_robot_motion(content.view(), robot, path == "-" ? "standard input" : path, options);

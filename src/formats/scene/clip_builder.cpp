@@ -5,6 +5,7 @@
 
 #include "formats/scene/clip_builder.h"
 #include "retarget/bvh.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {
@@ -122,10 +123,34 @@ bool ClipBuilder::is_translated(std::size_t joint, double tolerance) const {
   return false;
 }
 
+Eigen::Vector3d ClipBuilder::rest_offset(std::size_t joint) const {
+  const auto parent = static_cast<std::size_t>(joints_[joint].parent);
+  return joints_[joint].world_from_rest.translation - joints_[parent].world_from_rest.translation;
+}
+
+double ClipBuilder::motion_per_rest() const {
+  std::vector<double> ratios;
+  for (std::size_t j = 0; j < joints_.size() && frame_count_ > 0; ++j) {
+    if (joints_[j].parent < 0) continue;
+    const double rest = rest_offset(j).norm(), now = translations_[j].norm();
+    if (rest > 0.0 && now > 0.0) ratios.push_back(now / rest);
+  }
+  return ratios.empty() ? 1.0 : median(std::move(ratios));
+}
+
+Eigen::Vector3d ClipBuilder::zero_offset(std::size_t joint, double scale) const {
+  constexpr double kMostRatio = 1.5;
+  const Eigen::Vector3d rest = scale * rest_offset(joint);
+  const double length = translations_[joint].norm();
+  const bool fits = rest.norm() < kMostRatio * length && length < kMostRatio * rest.norm();
+  return fits ? rest : translations_[joint];
+}
+
 Clip ClipBuilder::build() const {
   using enum Channel;
   // The longest path through a body is about a fifth of the total length of its bones.
   const double tolerance = kTolerance * 0.2 * size();
+  const double scale = motion_per_rest();
   std::vector<Joint> joints;
   joints.reserve(joints_.size());
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -135,11 +160,11 @@ Clip ClipBuilder::build() const {
     joint.parent = from.parent;
     joint.channels = {kZRotation, kXRotation, kYRotation};
     if (from.parent >= 0) {
-      const auto& rest = joints_[static_cast<std::size_t>(from.parent)].world_from_rest;
-      joint.offset =
-          frame_count_ > 0 ? translations_[j] : from.world_from_rest.translation - rest.translation;
+      joint.offset = frame_count_ > 0 ? translations_[j] : rest_offset(j);
     }
     if (from.parent < 0 || is_translated(j, tolerance)) {
+      // The first frame is no zero pose for a joint that moves away from its place.
+      if (from.parent >= 0) joint.offset = zero_offset(j, scale);
       joint.channels.insert(joint.channels.begin(), {kXPosition, kYPosition, kZPosition});
     }
     joints.push_back(std::move(joint));

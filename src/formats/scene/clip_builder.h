@@ -53,7 +53,8 @@ struct WorldJoint {
 /// In the rest pose the axes of all joints are aligned with the world, regardless of their axes in
 /// the file: with all rotations identity the skeleton is in the rest pose. Bone lengths are those
 /// of the motion, not of the rest pose. A joint whose translation is the same in all frames has it
-/// as its offset.
+/// as its offset. A joint that translates has its offset in the rest pose, at the scale of the
+/// motion, unless the rest pose has another length there; then it has the offset of the first frame.
 class ClipBuilder {
  public:
   /// Bytes per frame of `joints` joints while a clip is built.
@@ -69,6 +70,12 @@ class ClipBuilder {
   // Whether a joint translates relative to its parent by more than rounding.
   [[nodiscard]] bool is_translated(std::size_t joint, double tolerance) const;
   [[nodiscard]] double size() const;
+  // Offset from the parent in the rest pose.
+  [[nodiscard]] Eigen::Vector3d rest_offset(std::size_t joint) const;
+  // Median ratio of the bones' lengths in the first frame to those in the rest pose.
+  [[nodiscard]] double motion_per_rest() const;
+  // Offset of a joint that translates. @param scale  see motion_per_rest
+  [[nodiscard]] Eigen::Vector3d zero_offset(std::size_t joint, double scale) const;
 
   std::vector<WorldJoint> joints_;
   FrameRate rate_;

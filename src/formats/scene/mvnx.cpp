@@ -62,11 +62,7 @@ class MvnxReader {
                    parsed.error().location.line);
     }
     const XMLElement* root = document.FirstChildElement("mvnx");
-    const XMLElement* subject = root == nullptr ? nullptr : root->FirstChildElement("subject");
-    if (subject == nullptr) return fault("it has no subject");
-    if (subject->NextSiblingElement("subject") != nullptr) {
-      warnings_.push_back({0, 0, "the file has several subjects; only the first is read"});
-    }
+    TRY_ASSIGN(const XMLElement* subject, choose_subject(root));
     TRY(find_segments(*subject));
     TRY(order_segments());
     TRY(find_frames(*subject));
@@ -79,6 +75,45 @@ class MvnxReader {
     error.hint = "the file may be cut off or damaged: export it again from MVN";
     error.message = "the MVNX file cannot be read: " + std::move(what);
     return failure(std::move(error));
+  }
+
+  // The subject that is requested by its label or its number from 1; without a request the first.
+  Result<const XMLElement*> choose_subject(const XMLElement* root) {
+    std::vector<const XMLElement*> subjects;
+    std::vector<std::string> labels;
+    for (const XMLElement* each = root == nullptr ? nullptr : root->FirstChildElement("subject");
+         each != nullptr; each = each->NextSiblingElement("subject")) {
+      subjects.push_back(each);
+      labels.push_back(printable(attribute_of(each, "label")));
+    }
+    if (subjects.empty()) return fault("it has no subject");
+    if (!options_.take.empty() && options_.take != "1") {
+      return usage_failure("expected no take (" OPTION("take") "): \"" + file_name_ +
+                               "\" is an MVNX file, which contains one",
+                           OPTION("root") " NAME selects one of several subjects");
+    }
+    std::size_t chosen = 0;
+    if (!options_.root.empty()) {
+      const auto label = std::ranges::find(labels, printable(options_.root));
+      const auto number = parse_number<std::size_t>(options_.root);
+      if (label != labels.end()) {
+        chosen = static_cast<std::size_t>(label - labels.begin());
+      } else if (number && *number >= 1 && *number <= subjects.size()) {
+        chosen = *number - 1;
+      } else {
+        return usage_failure("expected a subject \"" + printable(options_.root) +
+                             "\" (" OPTION("root") "), found " + list_names(labels, 8));
+      }
+    } else if (subjects.size() > 1) {
+      warnings_.push_back({0, 0,
+                           fmt::format("only the first of the file's {} subjects is read: {}; "
+                                       "" OPTION("root") " NAME|N reads another",
+                                       subjects.size(), list_names(labels, 8))});
+    }
+    if (subjects.size() > 1) {
+      subject_ = fmt::format("subject {} of {}, ", chosen + 1, subjects.size());
+    }
+    return subjects[chosen];
   }
 
   Result<void> find_segments(const XMLElement& subject) {
@@ -246,7 +281,7 @@ class MvnxReader {
     origin.warnings = std::move(warnings_);
     origin.metres_per_unit = 1.0;
     origin.up = Eigen::Vector3d::UnitZ();
-    origin.choices = "MVNX, ";
+    origin.choices = "MVNX, " + subject_;
     origin.choices += rest_name_.empty() ? "no calibration frame"
                                          : "its frame \"" + rest_name_ + "\" is the zero pose";
     clip.set_origin(std::move(origin));
@@ -262,6 +297,7 @@ class MvnxReader {
   std::vector<const XMLElement*> frames_;
   std::map<std::string, const XMLElement*> calibration_;
   std::string rest_name_;
+  std::string subject_;  // Of several, for the summary.
   std::vector<Warning> warnings_;
 };
 

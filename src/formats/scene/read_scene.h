@@ -65,7 +65,7 @@ struct SceneReadOptions {
 /// otherwise `identity`, otherwise `npose`; without them all segments are aligned with the world
 /// axes. The document's `joints` define the hierarchy.
 ///
-/// @return kInput errors.
+/// @return kInput errors; kUsage for unknown takes and subjects.
 [[nodiscard]] Result<Clip> read_mvnx(std::string_view bytes, const std::string& file_name,
                                      const SceneReadOptions& options);
 

@@ -13,6 +13,7 @@
 #include "formats/scene/clip_builder.h"
 #include "formats/scene/scene_skeleton.h"
 #include "formats/scene/scene_times.h"
+#include "formats/scene/skeleton_shape.h"
 #include "motion/clip.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
@@ -71,6 +72,7 @@ class SceneSampler {
     take_ = choice.take;
     skeleton_ = choice.skeleton;
     if (take_ >= 0 && !choice.moves && !options_.skeleton_only) warn_of_still_take();
+    if (!choice.longer.empty()) warn_of_longer_takes(choice.longer);
     if (options_.root.empty() && !options_.skeleton_only) warn_of_other_actors();
     if (skeleton_.joints.size() > kMaxJoints) {
       return input_failure(file_name_,
@@ -86,6 +88,7 @@ class SceneSampler {
           "export the character with its animation baked; retarget inspect " OPTION(
               "skeleton") " shows the joints of a file without one");
     }
+    still_copies_ = drop_still_copies(scene_, take_, skeleton_);
     mark_chain();
     TRY(check_scale());
     const SceneTimes times(scene_, choice, in_chain_, options_.source_fps);
@@ -121,6 +124,13 @@ class SceneSampler {
     warnings_.push_back({0, 0,
                          "the take \"" + printable(scene_.takes[as_size(take_)].name) +
                              "\" has no movement: all its skeleton keys are equal"});
+  }
+
+  void warn_of_longer_takes(const std::vector<std::string>& takes) {
+    warnings_.push_back({0, 0,
+                         fmt::format("longer takes move only a small part of the body and are not "
+                                     "read: {}; " OPTION("take") " NAME reads one",
+                                     list_names(takes, 8))});
   }
 
   void warn_of_other_actors() {
@@ -324,6 +334,10 @@ class SceneSampler {
       origin.choices += fmt::format(", skeleton {} of {}", name_of(skeleton_.joints.front()),
                                     skeleton_.others.size() + 1);
     }
+    if (still_copies_ > 0) {
+      origin.choices +=
+          fmt::format(", without a still copy of {}", count_text(still_copies_, "joint"));
+    }
     if (take_ >= 0) {
       origin.choices += fmt::format(", {} fps: {}", to_text(times.rate()), times.reason());
     }
@@ -335,7 +349,8 @@ class SceneSampler {
   const SceneReadOptions& options_;
   int take_ = -1;
   SceneSkeleton skeleton_;
-  std::vector<int> chain_;  // Nodes that affect the joints' positions, parents first.
+  std::size_t still_copies_ = 0;  // Joints that are left out.
+  std::vector<int> chain_;        // Nodes that affect the joints' positions, parents first.
   std::vector<bool> in_chain_, has_joints_below_;  // One per node.
   std::vector<NodePlace> places_;                  // In the current frame.
   std::vector<double> sizes_;                      // In the first frame.

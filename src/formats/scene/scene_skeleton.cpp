@@ -9,14 +9,13 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "formats/scene/skeleton_shape.h"
 #include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// A body with arms and legs has at least this many joints.
-constexpr std::size_t kMinJoints = 10;
-// Fraction of the moving joints from which another skeleton competes with the first.
+// Fraction of the movement from which another skeleton or take competes with the first.
 constexpr double kRival = 0.5;
 
 using Marks = std::vector<bool>;
@@ -39,6 +38,7 @@ Marks bones_of(const SceneGraph& scene) {
   Marks marks(scene.nodes.size());
   for (std::size_t i = 0; i < marks.size(); ++i) marks[i] = scene.nodes[i].is_bone;
   close_gaps(scene, marks);
+  if (mark_dummy_hips(scene, marks)) close_gaps(scene, marks);
   return marks;
 }
 
@@ -93,7 +93,7 @@ std::vector<Candidate> candidates_of(const SceneGraph& scene, const Marks& marks
 }
 
 bool is_body(const Candidate& candidate) {
-  return candidate.skeleton.joints.size() >= kMinJoints;
+  return candidate.skeleton.joints.size() >= kMinBodyJoints;
 }
 
 std::string root_name(const SceneGraph& scene, const Candidate& candidate) {
@@ -293,6 +293,7 @@ bool any_of_both(const Marks& a, const Marks& b) {
 struct TakeUse {
   Result<SceneMotionChoice> choice;
   bool has_keys = false, is_body = false;
+  double share = 0.0;  // See moving_share.
 
   [[nodiscard]] bool moves() const { return has_keys && (!choice || choice->moves); }
   [[nodiscard]] double length() const { return choice ? choice->end - choice->begin : 0.0; }
@@ -321,15 +322,35 @@ TakeUse use_of(const SceneGraph& scene, int take, const std::string& root,
   choice.moves = any_of_both(chain, its.moves);
   set_extent(scene, chain, choice);
   return {std::move(choice), any_of_both(chain, its.has_keys),
-          skeleton->joints.size() >= kMinJoints};
+          skeleton->joints.size() >= kMinBodyJoints, moving_share(scene, *skeleton, take)};
 }
 
-// Order of preference: moving over still, bodies over props, long over short. Durations within
-// rounding are equal.
-bool is_better(const TakeUse& a, const TakeUse& b) {
+// Whether a take lasts longer, by more than rounding.
+bool is_longer(const TakeUse& a, const TakeUse& b) {
+  return a.length() > b.length() + 1e-6;
+}
+
+// Order of preference: moving over still, bodies over props, movement of the body over movement of
+// a small part such as the face, long over short.
+// @param most  the largest share of all takes
+bool is_better(const TakeUse& a, const TakeUse& b, double most) {
   if (a.moves() != b.moves()) return a.moves();
   if (a.is_body != b.is_body) return a.is_body;
-  return a.length() > b.length() + 1e-6;
+  const bool whole = a.share >= kRival * most;
+  if (whole != (b.share >= kRival * most)) return whole;
+  return is_longer(a, b);
+}
+
+// The take to read without a request; the number of takes if none has keys.
+std::size_t best_take(const std::vector<TakeUse>& uses) {
+  double most = 0.0;
+  for (const TakeUse& use : uses) most = std::max(most, use.share);
+  std::size_t best = uses.size();
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (!uses[i].has_keys) continue;
+    if (best == uses.size() || is_better(uses[i], uses[best], most)) best = i;
+  }
+  return best;
 }
 
 std::string take_names(const SceneGraph& scene, const std::vector<TakeUse>* uses) {
@@ -366,11 +387,8 @@ Result<SceneMotionChoice> choose_motion(const SceneGraph& scene, const std::stri
     TRY_ASSIGN(wanted, find_take(scene, wanted_take, file_name));
   }
   std::vector<TakeUse> uses;
-  std::size_t best = scene.takes.size();
   for (std::size_t i = 0; i < scene.takes.size(); ++i) {
     uses.push_back(use_of(scene, static_cast<int>(i), root, file_name));
-    if (!uses[i].has_keys) continue;
-    if (best == scene.takes.size() || is_better(uses[i], uses[best])) best = i;
   }
   if (wanted >= 0) {
     TakeUse& use = uses[as_size(wanted)];
@@ -383,7 +401,18 @@ Result<SceneMotionChoice> choose_motion(const SceneGraph& scene, const std::stri
                          printable(scene.takes[as_size(wanted)].name) +
                          "\" has none. Takes that have: " + take_names(scene, &uses));
   }
-  if (best < scene.takes.size()) return std::move(uses[best].choice);
+  if (const std::size_t best = best_take(uses); best < uses.size()) {
+    TakeUse& use = uses[best];
+    for (std::size_t i = 0; use.choice && i < uses.size(); ++i) {
+      if (uses[i].moves() && uses[i].is_body && is_longer(uses[i], use)) {
+        use.choice->longer.push_back(printable(scene.takes[i].name));
+      }
+    }
+    return std::move(use.choice);
+  }
+  for (TakeUse& use : uses) {
+    if (!use.choice && use.choice.error().kind == ErrorKind::kUsage) return std::move(use.choice);
+  }
   SceneMotionChoice still;
   if (!skeleton_only) return still;
   TRY_ASSIGN(still.skeleton, choose_skeleton(scene, -1, root, file_name));

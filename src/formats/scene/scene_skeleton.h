@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,9 @@
 #include "retarget/error.h"
 
 namespace retarget {
+
+/// A body with arms and legs has at least this many joints.
+inline constexpr std::size_t kMinBodyJoints = 10;
 
 /// A skeleton of a scene: a subset of its nodes, in depth-first order with parents first.
 struct SceneSkeleton {
@@ -19,7 +23,8 @@ struct SceneSkeleton {
 ///
 /// Joints are limbs, joints of skins and the nodes between them. If these are too few for a body,
 /// joints are the nodes that move in the take, because some programs write skeletons as plain
-/// nodes. Each tree of joints is a skeleton. Without a root name, the skeleton with the most moving
+/// nodes. A moving node on which a torso and two legs hang is a joint, too. Each tree of joints is a
+/// skeleton. Without a root name, the skeleton with the most moving
 /// joints is chosen.
 ///
 /// @param take  -1: none; the choice depends on size alone.
@@ -47,16 +52,18 @@ struct SceneMotionChoice {
   int take = -1;  ///< -1: no take has keys of the skeleton; the skeleton is then empty unless
                   ///< requested alone.
   SceneSkeleton skeleton;
-  double begin = 0.0, end = 0.0;  ///< Seconds, from the first to the last key that moves the
-                                  ///< skeleton.
-  bool moves = false;             ///< Whether the keys differ.
+  double begin = 0.0, end = 0.0;    ///< Seconds, from the first to the last key that moves the
+                                    ///< skeleton.
+  bool moves = false;               ///< Whether the keys differ.
+  std::vector<std::string> longer;  ///< Longer takes that move only a small part of the body.
 };
 
 /// Sets the interval of a choice from the first to the last key of the chain, clipped to the take.
 void set_extent(const SceneGraph& scene, const std::vector<bool>& chain, SceneMotionChoice& choice);
 
 /// Chooses a take by name or number (from 1) and the matching skeleton. Without a take, chooses the
-/// longest one in which the skeleton moves; of equally long ones the first.
+/// longest one of those that move at least half as much of their skeleton as the one that moves
+/// most, by length of bones; of equally long ones, the first.
 ///
 /// Keys of cameras and other objects are ignored. A take whose keys are all equal is chosen only if
 /// no other take has keys.

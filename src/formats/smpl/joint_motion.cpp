@@ -88,6 +88,9 @@ class PlacesReader {
     TRY(read_places());
     if (is_kimodo(file_)) TRY(read_kimodo());
     TRY(read_rate());
+    if (auto gaps = missing_frames(file_, motion_.frame_count, motion_.rate)) {
+      motion_.warnings.push_back({0, 0, std::move(*gaps)});
+    }
     TRY(read_height());
     return std::move(motion_);
   }

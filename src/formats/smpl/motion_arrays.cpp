@@ -24,7 +24,8 @@ constexpr std::size_t kSmplxColumns = 165;
 constexpr std::size_t kHandColumns = 3 * kSmplHandJointCount;  // The last columns of both layouts.
 
 // Names of rotations in one array, or in two (pelvis, body), used by AMASS, smplx, AIST++ and fits
-// to video. Precedence: AMASS's separate arrays, AMASS's single array, then the others.
+// to video. Precedence: AMASS's separate arrays, AMASS's single array, then the others. The entry
+// of kTranslations with the same index has the same origin.
 constexpr std::array<const char*, 4> kWholePoses = {"poses", "fullpose", "smpl_poses",
                                                     "pose_world"};
 constexpr std::array<std::pair<const char*, const char*>, 2> kPartedPoses = {
@@ -55,6 +56,16 @@ const char* first_of(const ArraySource& file, std::span<const char* const> names
   return found == names.end() ? nullptr : *found;
 }
 
+// The translations of the same origin as the rotations, otherwise the first ones: WHAM's files have
+// `trans` in camera axes next to `trans_world`.
+const char* translations_of(const ArraySource& file, const char* whole_poses) {
+  const auto at = std::ranges::find(kWholePoses, whole_poses) - kWholePoses.begin();
+  const auto index = static_cast<std::size_t>(at);
+  if (index < kTranslations.size() && file.has(kTranslations[index])) return kTranslations[index];
+  const char* found = first_of(file, kTranslations);
+  return found != nullptr ? found : kTranslations.front();
+}
+
 const std::pair<const char*, const char*>* parted_poses(const ArraySource& file) {
   const auto found = std::ranges::find_if(kPartedPoses, [&](const auto& names) {
     const bool is_custom = &names == &kPartedPoses.front() || !file.has(kWholePoses.front());
@@ -79,6 +90,9 @@ class MotionReader {
     read_hands();
     TRY(read_translations());
     TRY(read_rate(source_fps));
+    if (auto gaps = missing_frames(file_, arrays_.frame_count, arrays_.rate)) {
+      warn(std::move(*gaps));
+    }
     TRY(read_betas());
     TRY(read_gender());
     TRY(read_family());
@@ -142,6 +156,7 @@ class MotionReader {
                  read_table(whole, {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns},
                             kMaxRadians));
       name = whole;
+      whole_poses_ = whole;
       pose_width_ = poses.width;
       tables = {std::move(poses)};
     } else {
@@ -226,8 +241,7 @@ class MotionReader {
   }
 
   Result<void> read_translations() {
-    const char* found = first_of(file_, kTranslations);
-    const char* name = found != nullptr ? found : kTranslations.front();
+    const char* name = translations_of(file_, whole_poses_);
     TRY_ASSIGN(const auto trans, read_table(name, {3}));
     if (trans.rows != static_cast<std::size_t>(arrays_.frame_count)) {
       return other_length(name, trans, "the rotations have", arrays_.frame_count);
@@ -385,7 +399,8 @@ class MotionReader {
   const ArraySource& file_;
   const MotionKind& kind_;
   MotionArrays arrays_;
-  std::size_t pose_width_ = 0;  // Columns of `poses`; 0 without them.
+  const char* whole_poses_ = nullptr;  // An entry of kWholePoses, if it was read.
+  std::size_t pose_width_ = 0;         // Columns of `poses`; 0 without them.
 };
 
 }  // namespace

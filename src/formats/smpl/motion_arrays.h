@@ -98,6 +98,11 @@ struct TranslationUnit {
 /// The error for a file without a rate whose kind has no usual one.
 [[nodiscard]] Failure no_motion_rate(const ArraySource& file);
 
+/// A warning about the gaps in the numbers of video frames that fits to video state as `frame_ids`;
+/// nothing without gaps.
+[[nodiscard]] std::optional<std::string> missing_frames(const ArraySource& file, int frame_count,
+                                                        const FrameRate& rate);
+
 /// Kind of data in a motion file.
 enum class MotionContent : std::uint8_t {
   kSmpl,    ///< Rotations of SMPL's joints. Also used for unknown content, which the SMPL reader

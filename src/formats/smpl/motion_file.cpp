@@ -43,6 +43,10 @@ std::string describe_value(const PickleDocument& document, const PickleNode& nod
       return "one array of shape " + shape_text(document.array(node).shape);
     case Kind::kList:
     case Kind::kTuple:
+      // numpy.save wraps a dictionary in an array of one object.
+      if (node.items.size() == 1 && document.at(node.items[0]).kind == Kind::kDict) {
+        return describe_value(document, document.at(node.items[0]));
+      }
       return fmt::format("a list of {} values", node.items.size());
     case Kind::kDict: {
       const std::vector<std::string> names = document.keys(node);

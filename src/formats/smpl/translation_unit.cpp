@@ -237,4 +237,28 @@ Failure no_motion_rate(const ArraySource& file) {
                            std::string(kRateHint));
 }
 
+std::optional<std::string> missing_frames(const ArraySource& file, int frame_count,
+                                          const FrameRate& rate) {
+  constexpr const char* kName = "frame_ids";
+  if (!file.has(kName)) return std::nullopt;
+  const auto array = file.read(kName);
+  if (!array || !array->is_number()) return std::nullopt;
+  const std::vector<double> ids = array->numbers();
+  if (ids.size() != static_cast<std::size_t>(frame_count)) return std::nullopt;
+  double missing = 0.0;
+  std::size_t gaps = 0, first = 0;
+  for (std::size_t i = 1; i < ids.size(); ++i) {
+    const double step = ids[i] - ids[i - 1];
+    if (!(step > 1.0)) continue;
+    missing += step - 1.0;
+    if (++gaps == 1) first = i;
+  }
+  if (gaps == 0) return std::nullopt;
+  return fmt::format(
+      "the array \"{}\" leaves out {:.0f} frames in {}, first after {:.0f} ({:.2f} s of this "
+      "motion): the person was lost there, and the motion jumps over the gap",
+      kName, missing, count_text(gaps, "place"), ids[first - 1],
+      static_cast<double>(first - 1) / rate.fps());
+}
+
 }  // namespace retarget

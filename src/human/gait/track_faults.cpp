@@ -228,6 +228,8 @@ StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration) {
       if (limb) limb->add(pose);
     }
   }
+  const auto may_be_still = [&](const auto& limb) { return !limb || is_still(limb); };
+  still.all = clip.frame_count() > 1 && std::ranges::all_of(limbs, may_be_still);
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const bool leg = i < 2;
     if (!is_still(limbs[i]) || !moves(limbs[i ^ 1])) continue;
