@@ -41,7 +41,7 @@ void check_clip(const Clip& clip) {
 }
 
 void check_motion(std::string_view bytes) {
-  SmplReadOptions options;
+  ArrayReadOptions options;
   // Of several motions, reads the first one.
   options.take = "1";
   const auto motion = read_array_motion(bytes, "fuzz.npz", options);

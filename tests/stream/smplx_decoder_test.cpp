@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "formats/smpl/read_smpl.h"
 #include "formats/smpl/smpl_body.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
+#include "support/load_smpl.h"
 #include "support/npz_builder.h"
 
 namespace retarget {
