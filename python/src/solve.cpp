@@ -17,7 +17,7 @@
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
-#include "solving_table.h"
+#include "tables.h"
 #include "watcher.h"
 
 namespace retarget::python {
