@@ -39,6 +39,12 @@ bool good(const Result<Value>& result) {
 /// The Unitree G1 of the repository, for motions and settings.
 [[nodiscard]] const std::shared_ptr<const Robot>& fuzz_robot();
 
+/// Lines of a stream in a format.
+void fuzz_decoder(std::string_view format, std::string_view bytes);
+/// Binary packets of a format, each preceded by two bytes with its size: as datagrams, and as the
+/// bytes of a connection; an empty one ends the connection.
+void fuzz_packets(std::string_view format, std::string_view bytes);
+
 void fuzz_bvh(std::string_view bytes);
 void fuzz_npy(std::string_view bytes);
 void fuzz_npz(std::string_view bytes);
@@ -69,14 +75,6 @@ void fuzz_gltf(std::string_view bytes);
 void fuzz_mvnx(std::string_view bytes);
 void fuzz_scene(std::string_view bytes);
 void fuzz_object_track(std::string_view bytes);
-void fuzz_stream_lines(std::string_view bytes);
-void fuzz_stream_bvh(std::string_view bytes);
-void fuzz_stream_vmc(std::string_view bytes);
-void fuzz_stream_rokoko(std::string_view bytes);
-void fuzz_stream_smplx(std::string_view bytes);
-void fuzz_stream_xrobot(std::string_view bytes);
-void fuzz_stream_mvn(std::string_view bytes);
-void fuzz_stream_natnet(std::string_view bytes);
 void fuzz_stream_record(std::string_view bytes);
 
 }  // namespace retarget::fuzz
