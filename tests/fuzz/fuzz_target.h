@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/robot.h"
 
@@ -32,6 +33,9 @@ bool good(const Result<Value>& result) {
   if (!result) require(!result.error().message.empty(), "errors say something");
   return result.has_value();
 }
+
+/// Requires rotations of unit length and finite translations in all frames.
+void check_frames(const Clip& clip);
 
 /// Path of a file with these bytes, for readers that only read files; the next call overwrites it.
 [[nodiscard]] std::string file_of(std::string_view bytes, const char* name);

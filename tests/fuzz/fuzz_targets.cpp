@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -69,6 +70,17 @@ void require(bool condition, const char* what) {
   if (condition) return;
   std::fprintf(stderr, "not true: %s\n", what);
   std::abort();
+}
+
+void check_frames(const Clip& clip) {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (const auto& rotation : clip.rotations(frame)) {
+      require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
+    }
+    for (const auto& translation : clip.translations(frame)) {
+      require(translation.allFinite(), "translations are finite");
+    }
+  }
 }
 
 std::string file_of(std::string_view bytes, const char* name) {
