@@ -81,7 +81,7 @@ TEST(StreamFormats, AreFoundByName) {
 }
 
 TEST(Lines, ReportTheirProperties) {
-  const auto decoder = decoder_of("lines");
+  const auto decoder = stream_decoder("lines");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(
       R"({"skeleton": {"up": "y", "unit": 0.01, "height": 1.8, "joints": [
@@ -106,7 +106,7 @@ TEST(Lines, ReportTheirProperties) {
 }
 
 TEST(Lines, AreRejectedWithAReason) {
-  const auto decoder = decoder_of("lines");
+  const auto decoder = stream_decoder("lines");
   EXPECT_THAT(refused_line(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
   EXPECT_THAT(refused_line(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
   EXPECT_THAT(refused_line(*decoder, "[1, 2]"), HasSubstr("object"));
@@ -133,7 +133,7 @@ TEST(Lines, AreRejectedWithAReason) {
 }
 
 TEST(BvhRows, RequireASkeleton) {
-  const auto decoder = decoder_of("bvh");
+  const auto decoder = stream_decoder("bvh");
   EXPECT_THAT(refused_line(*decoder, "1 2 3"), HasSubstr("skeleton"));
   decoder->know_skeleton(sample_clip("walk").shared_skeleton());
   EXPECT_THAT(refused_line(*decoder, "1 2 3"), HasSubstr("numbers"));
@@ -149,15 +149,15 @@ TEST(BvhRows, RequireASkeleton) {
 
 TEST(BvhRows, DeclareTheirFrameTime) {
   const Clip clip = sample_clip("walk");
-  const auto encoder = encoder_of("bvh");
-  const auto decoder = decoder_of("bvh");
+  const auto encoder = stream_encoder("bvh");
+  const auto decoder = stream_decoder("bvh");
   KeptStream kept;
   ASSERT_TRUE(take_lines(*decoder, encoder->begin(clip), kept));
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(decoder->take(encoder->frame(clip, i).value(), kept));
   EXPECT_TRUE(std::isnan(kept.frames[2].time));
   EXPECT_EQ(kept.frames[2].declared, clip.rate().time_of(2));
   for (const char* wrong : {"Frame Time: 0", "Frame Time: -1", "Frame Time: nan", "Frame Time:"}) {
-    const auto other = decoder_of("bvh");
+    const auto other = stream_decoder("bvh");
     ASSERT_TRUE(take_lines(*other, encoder->begin(clip), kept));
     ASSERT_TRUE(other->take(wrong, kept)) << wrong;
     ASSERT_TRUE(other->take(encoder->frame(clip, 0).value(), kept)) << wrong;
@@ -185,10 +185,10 @@ TEST(StreamFormats, ThatNeedPacketsUseNoPipes) {
 
 TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {
   const Clip clip = sample_clip("walk");
-  const auto decoder = decoder_of("bvh");
+  const auto decoder = stream_decoder("bvh");
   decoder->know_skeleton(clip.shared_skeleton());
   KeptStream kept;
-  ASSERT_TRUE(take_lines(*decoder, encoder_of("bvh")->begin(clip), kept));
+  ASSERT_TRUE(take_lines(*decoder, stream_encoder("bvh")->begin(clip), kept));
   EXPECT_TRUE(kept.skeletons.empty());
 }
 

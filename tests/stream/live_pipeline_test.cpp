@@ -111,7 +111,7 @@ TEST(LivePipeline, IsIndependentOfThePollingRate) {
 TEST(LivePipeline, SkipsMalformedPackets) {
   StreamRun run;
   const Clip clip = sample_clip("wave");
-  const auto encoder = encoder_of("lines");
+  const auto encoder = stream_encoder("lines");
   run.lines(encoder->begin(clip), 0.0);
   for (int frame = 0; frame < 60; ++frame) {
     const double now = clip.rate().time_of(frame);
@@ -178,7 +178,7 @@ TEST(LivePipeline, CalibratesFromThePerformersPose) {
   const Clip clip = sample_clip("wave"), pose = t_pose_of(clip);
   StreamRun known, posed(options);
   play_clip_to(known, clip, "lines");
-  const auto encoder = encoder_of("lines");
+  const auto encoder = stream_encoder("lines");
   posed.lines(encoder->begin(clip), 0.0);
   for (int frame = 0; frame < 29; ++frame) {
     posed.lines(encoder->frame(pose, 0).value(), frame / 30.0);

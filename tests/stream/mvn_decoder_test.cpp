@@ -104,7 +104,7 @@ std::string scale_message(Header header, const std::vector<Eigen::Vector3d>& pla
 }
 
 std::unique_ptr<Decoder> decoder_of(const char* address = "udp:9763?format=mvn") {
-  return decoder_of("mvn", parse_address(address).value());
+  return stream_decoder("mvn", parse_address(address).value());
 }
 
 std::string mvn_refusal(Decoder& decoder, std::string_view bytes) {
@@ -320,7 +320,7 @@ TEST(MvnPlayer, SendsTheHumanOfAnyClip) {
   ASSERT_TRUE(format_of("mvn").plays_human(clip));
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip human = clip_of_human_bones(clip, {}, folder).value();
-  const auto encoder = encoder_of("mvn");
+  const auto encoder = stream_encoder("mvn");
   const auto decoder = decoder_of();
   KeptStream kept;
   play_to(*decoder, *encoder, encoder->begin(human), kept);
@@ -370,7 +370,7 @@ TEST(MvnPlayer, SendsTheSegmentsOfAnMvnClip) {
   origin.up = Eigen::Vector3d::UnitY();
   clip.set_origin(origin);
   ASSERT_FALSE(format_of("mvn").plays_human(clip));
-  const auto encoder = encoder_of("mvn");
+  const auto encoder = stream_encoder("mvn");
   const auto decoder = decoder_of();
   KeptStream kept;
   play_to(*decoder, *encoder, encoder->begin(clip), kept);

@@ -185,7 +185,7 @@ std::vector<Pose> world_poses() {
 }
 
 std::unique_ptr<Decoder> natnet_decoder(const std::string& extras = "") {
-  return decoder_of("natnet", parse_address("udp:1511?format=natnet" + extras).value());
+  return stream_decoder("natnet", parse_address("udp:1511?format=natnet" + extras).value());
 }
 
 std::string natnet_refusal(Decoder& decoder, std::string_view bytes) {
@@ -383,10 +383,10 @@ TEST(NatNetPlayer, RoundTripsAllJoints) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("walk"), {}, folder).value();
   EXPECT_EQ(clip.origin().metres_per_unit, 0.01);
-  const auto encoder = encoder_of("natnet");
+  const auto encoder = stream_encoder("natnet");
   const std::string header = encoder->begin(clip);
   // In pieces, as from a pipe.
-  const auto decoder = decoder_of("natnet", parse_address("stdin?format=natnet").value());
+  const auto decoder = stream_decoder("natnet", parse_address("stdin?format=natnet").value());
   KeptStream kept;
   std::string bytes = header;
   for (int index = 0; index < clip.frame_count(); ++index) {
@@ -414,7 +414,7 @@ TEST(NatNetPlayer, RoundTripsAllJoints) {
 TEST(NatNetPlayer, RepliesToItsReceivers) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("wave"), {}, folder).value();
-  const auto encoder = encoder_of("natnet");
+  const auto encoder = stream_encoder("natnet");
   EXPECT_FALSE(encoder->begin(clip).empty());
   const auto decoder = natnet_decoder("&server=127.0.0.1");
   KeptStream kept;

@@ -124,7 +124,7 @@ TEST(InputPace, GivesTheFramesOfASession) {
 TEST(InputPace, HoldsThePoseInAGapOfTheTimes) {
   const Clip clip = sample_clip("walk");
   SentStream run(LivePace::kInput);
-  const auto encoder = encoder_of("lines");
+  const auto encoder = stream_encoder("lines");
   run.send(encoder->begin(clip), 0.0);
   for (int i = 0; i < 120; ++i) {
     if (i >= 50 && i < 80) continue;  // A second.
@@ -139,7 +139,7 @@ TEST(InputPace, InterpolatesGaps) {
   const Clip clip = resample(sample_clip("walk"), frame_rate_from_fps(120.0)).value();
   for (const int missing : {10, 20, 25, 28}) {
     SentStream run(LivePace::kInput);
-    const auto encoder = encoder_of("lines");
+    const auto encoder = stream_encoder("lines");
     run.send(encoder->begin(clip), 0.0);
     for (int i = 0; i < 480; ++i) {
       if (i <= 200 || i > 200 + missing) run.send(encoder->frame(clip, i).value(), 0.0);
@@ -166,7 +166,7 @@ TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
                                           {1e6, 8333.0, "look like microseconds"},
                                           {0.0, 1.0 / 120.0, ""}}) {
     SentStream run(LivePace::kInput);
-    const auto encoder = encoder_of("lines");
+    const auto encoder = stream_encoder("lines");
     run.send(encoder->begin(clip), 0.0);
     for (int i = 0; i < 60; ++i) {
       auto line = nlohmann::json::parse(encoder->frame(clip, i).value());
@@ -183,7 +183,7 @@ TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
 
 TEST(InputPace, WarnsOfFramesWithoutTimes) {
   const Clip clip = sample_clip("walk");
-  const auto encoder = encoder_of("bvh");
+  const auto encoder = stream_encoder("bvh");
   const std::string header = encoder->begin(clip);
   const auto lines = sent_lines(clip, *encoder);
   // Without the line that states the frame time.
@@ -383,7 +383,7 @@ class CountingDecoder final : public Decoder, private StreamSink {
 
   int& skeletons_;
   StreamSink* sink_ = nullptr;
-  std::unique_ptr<Decoder> lines_ = decoder_of("lines");
+  std::unique_ptr<Decoder> lines_ = stream_decoder("lines");
 };
 
 // While a skeleton has no pose, the decoder reads both skeletons again to try packets.
@@ -394,7 +394,7 @@ TEST(NewSender, MalformedPacketsReadSkeletonsAgainAFewTimesPerSecond) {
       set_up_robot(sent_robot(), {}).value(), SentStream::options(LivePace::kClock),
       std::make_unique<CountingDecoder>(skeletons), [](const RobotFrame&) {},
       [](std::string_view, std::string_view) {});
-  const auto encoder = encoder_of("lines");
+  const auto encoder = stream_encoder("lines");
   ASSERT_TRUE(pipeline.packet(encoder->begin(clip), 0.0));
   ASSERT_TRUE(pipeline.packet(encoder->frame(clip, 0).value(), 0.0));
   ASSERT_TRUE(pipeline.packet(encoder->begin(next), 0.1));
@@ -408,7 +408,7 @@ TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
   const Clip clip = sample_clip("walk");
   SentStream run(LivePace::kClock, "udp:1?format=bvh");
   ASSERT_TRUE(run.pipeline.know_skeleton(clip));
-  const auto encoder = encoder_of("bvh");
+  const auto encoder = stream_encoder("bvh");
   EXPECT_FALSE(encoder->begin(clip).empty());
   run.send(encoder->frame(clip, 0).value(), 0.0);
   run.pipeline.restart_sender(2.0, true);

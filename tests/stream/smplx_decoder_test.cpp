@@ -72,7 +72,7 @@ TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
   ASSERT_TRUE(read) << describe(read.error());
-  const auto decoder = decoder_of("smplx");
+  const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
     ASSERT_TRUE(decoder->take(motion.line(frame).dump(), kept));
@@ -96,8 +96,8 @@ TEST(SmplxLines, PlayAFileUnchanged) {
   const auto read = read_smpl(Motion().npz(), "motion.npz");
   ASSERT_TRUE(read);
   ASSERT_FALSE(format_of("smplx").plays_human(read->clip));
-  const auto encoder = encoder_of("smplx");
-  const auto decoder = decoder_of("smplx");
+  const auto encoder = stream_encoder("smplx");
+  const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   std::string header = encoder->begin(read->clip);
   ASSERT_TRUE(decoder->take(header, kept));
@@ -119,7 +119,7 @@ TEST(SmplxLines, AcceptNamesOfOtherPrograms) {
   const Motion motion;
   const Json line = motion.line(3);
   const auto frame_of = [](const Json& told) {
-    const auto decoder = decoder_of("smplx");
+    const auto decoder = stream_decoder("smplx");
     KeptStream kept;
     const auto taken = decoder->take(told.dump(), kept);
     EXPECT_TRUE(taken) << describe(taken.error());
@@ -153,7 +153,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
   Json line = Motion().line(0);
   line["global_orient"] = {0, 0, 0};
   line["transl"] = {1, 2, 3};
-  const auto decoder = decoder_of("smplx");
+  const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(R"({"up": "y", "height": 1.6})", kept));
   ASSERT_TRUE(decoder->take(line.dump(), kept));
@@ -170,7 +170,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
 TEST(SmplxLines, UseTheBodyOfTheUsersFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
-  const auto decoder = decoder_of("smplx");
+  const auto decoder = stream_decoder("smplx");
   decoder->know_skeleton(read->clip.shared_skeleton());
   KeptStream kept;
   Json line = motion.line(2);
@@ -189,7 +189,7 @@ TEST(SmplxLines, AreRejectedWithAReason) {
   const auto refusal = [&](const std::function<void(Json&)>& change) {
     Json changed = line;
     change(changed);
-    const auto decoder = decoder_of("smplx");
+    const auto decoder = stream_decoder("smplx");
     KeptStream kept;
     const auto taken = decoder->take(changed.dump(), kept);
     EXPECT_FALSE(taken) << changed.dump().substr(0, 200);

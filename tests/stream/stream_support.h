@@ -22,11 +22,11 @@ namespace retarget {
 inline const StreamFormat& format_of(const std::string& name) {
   return *find_stream_format(name).value();
 }
-inline std::unique_ptr<Decoder> decoder_of(const std::string& format,
-                                           const StreamAddress& from = {}) {
+inline std::unique_ptr<Decoder> stream_decoder(const std::string& format,
+                                               const StreamAddress& from = {}) {
   return format_of(format).decoder(from);
 }
-inline std::unique_ptr<Encoder> encoder_of(const std::string& format) {
+inline std::unique_ptr<Encoder> stream_encoder(const std::string& format) {
   return format_of(format).encoder();
 }
 
