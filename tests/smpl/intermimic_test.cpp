@@ -139,7 +139,6 @@ TEST(InterMimicTest, FingersFollowTheirWrists) {
   EXPECT_LT((turn("left_index1") - Eigen::Vector3d(0, 0, 0.2)).norm(), 1e-6);
   EXPECT_LT((turn("right_thumb3") - Eigen::Vector3d(0.2, 0, 0)).norm(), 1e-6);
   EXPECT_LT(turn("left_thumb1").norm(), 1e-6);
-  EXPECT_EQ(motion_of(intermimic_file(rows)).clip.skeleton().joint_count(), 22);
 }
 
 TEST(InterMimicTest, RejectsOtherTensorsOfTheSameWidth) {
