@@ -13,22 +13,9 @@ root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=${JOBS:-$(nproc)}
 cd -- "$root"
 
-native_tool() {
-  local folder
-  for folder in release demo; do
-    if [ -x "build/$folder/tools/retarget/retarget" ]; then
-      echo "build/$folder/tools/retarget/retarget"
-      return
-    fi
-  done
-  cmake --preset demo >&2
-  cmake --build --preset demo --parallel "$jobs" >&2
-  echo build/demo/tools/retarget/retarget
-}
-
 "$root/tools/setup.sh" --tool
 "$root/tools/browser_toolchain.sh"
-tool=${RETARGET_TOOL:-$(native_tool)}
+tool=${RETARGET_TOOL:-$(tools/native_tool.sh)}
 cmake --preset wasm >/dev/null
 cmake --build --preset wasm --parallel "$jobs"
 python3 browser/make_page.py --engine build/wasm/retarget.wasm --tool "$tool" --output build/wasm/page

@@ -22,19 +22,6 @@ cd -- "$root"
 
 say() { printf 'windows: %s\n' "$*" >&2; }
 
-native_tool() {
-  local folder
-  for folder in release demo; do
-    if [ -x "build/$folder/tools/retarget/retarget" ]; then
-      echo "build/$folder/tools/retarget/retarget"
-      return
-    fi
-  done
-  cmake --preset demo >&2
-  cmake --build --preset demo --parallel "$jobs" >&2
-  echo build/demo/tools/retarget/retarget
-}
-
 # A folder with everything that the program needs; it may be moved.
 pack() {
   local version name staged
@@ -58,7 +45,7 @@ pack() {
 
 run_tests() {
   local wine module failed=() wrapper=$build/wine-retarget native python
-  native=$(realpath "${RETARGET_TOOL:-$(native_tool)}")
+  native=$(realpath "${RETARGET_TOOL:-$(tools/native_tool.sh)}")
   # Most tests of formats need its numpy.
   python=$("$root/tools/setup.sh" --print-python)
   wine=$(command -v wine64 || echo /usr/lib/wine/wine64)

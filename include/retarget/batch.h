@@ -19,12 +19,10 @@ struct BatchRequest {
   Run run;  ///< Settings of every clip; the memory limit is for all clips.
   /// Sidecars and dynamics of every clip; its other members are ignored.
   RunRequest of_clip;
-  std::string data_folder;          ///< Contains robots/ and configs/.
-  std::vector<std::string> inputs;  ///< Files, folders, patterns, `@LIST`; or manifests to merge.
-  std::vector<std::string> lists;   ///< Files with lists of names.
-  std::string relative_to;          ///< Folder below which single files keep their path.
-  std::string former_base;  ///< Value of the deprecated option `base`, an alias of relative_to; may
-                            ///< be empty.
+  std::string data_folder;           ///< Contains robots/ and configs/.
+  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; or manifests to merge.
+  std::vector<std::string> lists;    ///< Files with lists of names.
+  std::string relative_to;           ///< Folder below which single files keep their path.
   std::vector<std::string> exclude;  ///< Shell patterns.
   std::vector<std::string> robots;   ///< Names or folders; empty: the run's own robot.
   std::string output;                ///< Output folder.
@@ -65,8 +63,7 @@ struct BatchRequest {
 inline constexpr const char* kBatchGroup = "Batch";
 
 /// The rows of a batch request, without the rows of each clip's run.
-/// @param run  settings of every clip. Its memory limit applies to all running clips together. The
-///             row `base` sets its robot's base and still accepts a folder, its former meaning.
+/// @param run  settings of every clip. Its memory limit applies to all running clips together.
 [[nodiscard]] OptionTable batch_table(BatchRequest& request, Run& run);
 
 }  // namespace retarget

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,8 +49,5 @@ struct CsvCell {
 /// otherwise commas, otherwise runs of tabs, otherwise runs of spaces. Delimiters within double
 /// quotes are ignored.
 void split_cells(std::string_view line, std::vector<CsvCell>& cells);
-
-/// Parses a whole cell as a number.
-[[nodiscard]] std::optional<double> number_of_cell(std::string_view text);
 
 }  // namespace retarget

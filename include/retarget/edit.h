@@ -203,13 +203,7 @@ struct MirroredHuman {
 struct PlantOptions {
   /// Duration of the blend between a foot's contact and its unplanted position, seconds.
   double release = 0.3;
-  /// Legs extend freely up to this fraction of the length of thigh and shin; beyond it the
-  /// extension saturates at max_reach. For legs that the source extends farther, the range is from
-  /// there to their full length.
-  double soft_reach = 0.96;
-  double max_reach = 0.995;
-  double pelvis_blend = 0.25;   ///< Blend before and after a frame with lowered hips, seconds.
-  double deepest_pelvis = 0.1;  ///< Maximum distance by which hips are lowered, metres.
+  double pelvis_blend = 0.25;  ///< Blend before and after a frame with lowered hips, seconds.
 };
 
 // --- seams ---
@@ -447,9 +441,7 @@ enum class PathKeep : std::uint8_t {
 struct FollowPathOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
-  PlantOptions plant;
-  double same_stand = 0.1;  ///< Shorter breaks of a foot contact are ignored, seconds.
-  MotionLimits limits;      ///< Limits of the joints.
+  MotionLimits limits;  ///< Limits of the joints.
 };
 
 /// A motion on another path.

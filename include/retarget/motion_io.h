@@ -24,9 +24,6 @@ namespace RETARGET_API retarget {
 
 /// Name of a format as on the command line: `csv`, `csv-soma`, `npz-mjlab`, ...
 [[nodiscard]] std::string_view format_name(MotionFormat format);
-[[nodiscard]] std::vector<std::string> format_names();
-/// Format of a name. Errors (kUsage): an unknown name (suggests the nearest one and lists all).
-[[nodiscard]] Result<MotionFormat> format_from_name(std::string_view name);
 
 /// File extension: `.csv`, `.npz`, `.pkl`, `.motion` or `.glb`; empty: the format is a folder.
 [[nodiscard]] std::string_view format_ending(MotionFormat format);

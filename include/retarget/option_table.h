@@ -65,7 +65,6 @@ struct OptionInfo {
   OptionFile file = OptionFile::kNone;
   bool basic = false;                 ///< Shown in the short help.
   std::string letter = {};            ///< Short name on the command line; may be empty.
-  std::string former_name = {};       ///< Also accepted in files; empty if the name never changed.
   bool required = false;              ///< Must be given on the command line.
   std::string none = {};              ///< Word for no choice of an optional enum; empty: none.
   OptionUse uses = OptionUse::kNone;  ///< Other commands that accept the option.
@@ -246,7 +245,6 @@ inline constexpr const char* kGeneralGroup = "General";
 /// Rows shared by several commands.
 [[nodiscard]] Option memory_row(double& memory_gb);
 [[nodiscard]] Option output_row(std::string& output);
-[[nodiscard]] Option base_row(RobotBase& base);
 
 /// Options for reading a robot motion, in commands about such motions and in runs from one robot to
 /// another.
@@ -285,9 +283,6 @@ inline constexpr const char* kGeneralGroup = "General";
 /// @param file  name for messages.
 [[nodiscard]] Result<FitOptions> parse_fit_options(std::string_view text, const std::string& file,
                                                    FitOptions options = {});
-
-/// Names of the terms that can be enabled or disabled.
-[[nodiscard]] const std::vector<std::string>& fit_term_names();
 
 /// Enables or disables terms by name. The kUsage error for an unknown name suggests the nearest
 /// one.

@@ -169,22 +169,17 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] Result<SourceOptions> recorded_source(const std::string& path, SourceOptions options,
                                                     const DataFolder& data_folder);
 
-/// The travel (SolveOptions::travel, also that of a preset) recorded in the sidecar of a motion;
-/// empty for none, without a sidecar or if it is not used.
-[[nodiscard]] std::string recorded_travel(const std::string& path);
-/// The time scaling recorded likewise; empty for none.
-[[nodiscard]] std::optional<TimeScale> recorded_time_scale(const std::string& path);
-/// The run recorded likewise, whose options say which part of which source the motion shows.
+/// The run that the sidecar of a motion records. Its options say which part of which source the
+/// motion shows.
 struct RecordedRun {
   Run run;
   bool mirror = false;      ///< RunRequest::mirror.
   std::string source_hash;  ///< Hash of its source; empty: unknown, as of standard input.
   std::string limits;       ///< Name or file of its limit set; empty: unknown.
+  std::optional<TimeScale> time_scale = std::nullopt;
 };
+/// Returns nothing without a sidecar or if it is not used (see load_recorded_motion).
 [[nodiscard]] std::optional<RecordedRun> recorded_run(const std::string& path);
-/// The option recorded likewise that moves a robot's scene from its scaled position; empty for
-/// none.
-[[nodiscard]] std::string recorded_scene_move(const std::string& path);
 
 /// Lines of the summary of a run.
 
@@ -276,7 +271,14 @@ struct RunOutcome {
     const RobotClip& clip, const std::optional<FootContacts>& contacts, const std::string& output,
     const SaveOptions& options, Observer& observer);
 
-/// A robot motion to convert to other formats, and its options.
+/// Finds the human in a clip and writes a GLB of it. Reports how the clip was interpreted.
+/// @param output  `-`: standard output.
+/// Errors: those of find_data_folder, find_human and format_human_glb.
+[[nodiscard]] Result<void> write_human_glb(const std::string& output, Clip clip,
+                                           const HumanOptions& options,
+                                           const DataFolder& data_folder, Observer& observer);
+
+/// A motion to convert to other formats, and its options.
 struct ConvertRequest {
   std::string input, output;
   RobotChoice robot;
@@ -288,9 +290,10 @@ struct ConvertRequest {
 };
 
 /// Converts a robot motion: reads its file, changes its variant and its rate if requested, and
-/// writes it with write_motion.
-/// Errors: those of load_robot, load_recorded_motion, check_need and write_motion; the robot has no
-/// such variant.
+/// writes it with write_motion. If no option concerns a robot and the only output is a GLB, the
+/// motion is a human's.
+/// Errors: those of check_outputs, load_robot, load_recorded_motion, check_need and write_motion;
+/// of a human, those of load_clip and write_human_glb; the robot has no such variant.
 [[nodiscard]] Result<std::vector<WrittenFile>> convert_motion(const ConvertRequest& request,
                                                               Observer& observer);
 

@@ -30,7 +30,8 @@ struct LegReach {
   ///   the original motion stays straight.
   /// @param moved   displacement of the ankle relative to the hip; the larger it is, the less `own`
   ///   is used. All in the same unit.
-  /// @param soft, farthest  shares of the length; see PlantOptions::soft_reach and max_reach.
+  /// @param soft, farthest  shares of the length: the extension is free up to `soft` and saturates
+  ///   at `farthest`.
   static LegReach of(double length, double own, double moved, double soft, double farthest);
 
   /// The limited distance for a target distance.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from retarget import _retarget
 from retarget._errors import ArgumentTypeError, UsageError
-from retarget._results import Batch, Inspection, Report
+from retarget._results import Batch, Inspection, Report, manifest_lines
 from retarget._signatures import names_of, with_options
 
 if TYPE_CHECKING:
@@ -194,7 +193,7 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
     folder = Path(os.fsdecode(output))
     part = re.fullmatch(r"0*([0-9]+)/0*([0-9]+)", str(options.get("shard") or ""))
     manifest = f"manifest.{part[1]}-of-{part[2]}.jsonl" if part else "manifest.jsonl"
-    return Batch(folder=folder, failed=failed, clips=_manifest_lines(folder / manifest),
+    return Batch(folder=folder, failed=failed, clips=list(manifest_lines(folder / manifest, "surrogateescape")),
                  notes=list(notes))
 
 
@@ -205,22 +204,6 @@ def _take_rate(options: dict[str, Any], fps: float | None) -> None:
     if options.get("source_fps") is not None:
         raise UsageError("fps and source_fps are the same option: give one of them")
     options["source_fps"] = fps
-
-
-def _manifest_lines(file: Path) -> list[dict[str, Any]]:
-    """Returns the entries of a manifest and skips truncated lines."""
-    if not file.is_file():
-        return []
-    lines = []
-    # splitlines() would also split at characters that JSON may contain.
-    for line in file.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
-        try:
-            entry = json.loads(line)
-        except ValueError:
-            continue
-        if isinstance(entry, dict):
-            lines.append(entry)
-    return lines
 
 
 def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:

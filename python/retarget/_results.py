@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -130,3 +131,21 @@ class Batch:
     def __repr__(self) -> str:
         return (f"<retarget.Batch in {str(self.folder)!r}: {len(self.clips)} clips, "
                 f"{self.failed} failed>")
+
+
+def manifest_lines(file: Path, errors: str) -> Iterator[dict[str, Any]]:
+    """Yields the entries of a manifest and skips truncated lines of a killed batch.
+
+    Args:
+        errors: how to decode names that are not UTF-8.
+    """
+    if not file.is_file():
+        return
+    with file.open(encoding="utf-8", errors=errors, newline="\n") as lines:
+        for line in lines:
+            try:
+                entry = json.loads(line)
+            except ValueError:
+                continue
+            if isinstance(entry, dict):
+                yield entry

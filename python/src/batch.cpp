@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "batch_keywords.h"
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
@@ -17,7 +16,7 @@
 #include "retarget/batch.h"
 #include "retarget/option_table.h"
 #include "retarget/repeated_clips.h"
-#include "solving_table.h"
+#include "tables.h"
 #include "watcher.h"
 
 namespace retarget::python {

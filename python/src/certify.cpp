@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "bindings.h"
-#include "certify_keywords.h"
 #include "handles.h"
 #include "keywords.h"
 #include "notes_observer.h"
@@ -14,7 +13,9 @@
 #include "retarget/certificate.h"
 #include "retarget/check_options.h"
 #include "retarget/measure.h"
+#include "retarget/measure_files.h"
 #include "retarget/try.h"
+#include "tables.h"
 #include "watcher.h"
 
 namespace retarget::python {

@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "bindings.h"
-#include "edit_keywords.h"
 #include "edit_source.h"
 #include "keywords.h"
 #include "raise.h"
@@ -17,6 +16,7 @@
 #include "retarget/edit_tables.h"
 #include "retarget/option_table.h"
 #include "retarget/try.h"
+#include "tables.h"
 
 namespace retarget::python {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "bindings.h"
-#include "evaluate_table.h"
+#include "gates.h"
 #include "handles.h"
 #include "keywords.h"
 #include "raise.h"
@@ -18,6 +18,7 @@
 #include "retarget/resample.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
+#include "tables.h"
 
 namespace retarget::python {
 

@@ -4,25 +4,19 @@
 #include <nanobind/stl/string.h>
 
 #include <array>
-#include <filesystem>
-#include <optional>
 #include <utility>
 
 #include "bindings.h"
-#include "file_keywords.h"
 #include "handles.h"
 #include "keywords.h"
 #include "raise.h"
 #include "retarget/check_options.h"
 #include "retarget/compare.h"
-#include "retarget/file.h"
-#include "retarget/motion_io.h"
 #include "retarget/option_table.h"
-#include "retarget/plan.h"
-#include "retarget/resample.h"
 #include "retarget/rig.h"
 #include "retarget/run.h"
 #include "retarget/try.h"
+#include "tables.h"
 
 namespace retarget::python {
 
@@ -48,43 +42,6 @@ class ConvertObserver : public Observer {
   std::vector<std::pair<std::string, Warning>> told;
 };
 
-Result<std::vector<WrittenFile>> convert_file(const ConvertRequest& request,
-                                              ConvertObserver& observer) {
-  RETARGET_TRY(check_robot_choice(request.robot));
-  Run run;
-  run.motion = request.input;
-  run.robot = request.robot;
-  run.options.save = request.save;
-  run.output = request.output;
-  RETARGET_TRY(check_outputs(run, false, files_of(run, request.data_folder.chosen), {}));
-  return convert_motion(request, observer);
-}
-
-// Writes a human motion as GLB.
-Result<void> convert_human(const ConvertRequest& request, ConvertObserver& observer) {
-  SourceOptions source;
-  source.memory_gb = request.memory_gb;
-  auto read = load_clip(request.input, source);
-  if (!read) {
-    std::string& hint = read.error().hint;
-    hint += (hint.empty() ? "" : "; ") + std::string("a robot motion needs robot=");
-    return failure(std::move(read).error());
-  }
-  Clip clip = *std::move(read);
-  observer.warn(clip.origin().warnings, clip.name());
-  const TimeOptions& time = request.time;
-  if (time.fps) {
-    RETARGET_TRY_ASSIGN(clip, resample(std::move(clip), frame_rate_from_fps(*time.fps),
-                                       {time.interpolation, !time.no_antialias}));
-  }
-  RETARGET_TRY_ASSIGN(const HumanInClip human, find_human(clip, {}, request.data_folder.chosen));
-  observer.warn(human.doubts(), clip.name());
-  RETARGET_TRY_ASSIGN(const std::string bytes,
-                      format_human_glb(human_in_world(clip, human.calibration),
-                                       std::filesystem::path(request.output).stem().string()));
-  return write_file(request.output, bytes);
-}
-
 // Returns the paths of the written files.
 nb::list convert(const nb::object& input, const nb::object& output, const nb::object& robot,
                  const nb::dict& keywords, const nb::object& data_dir) {
@@ -100,14 +57,7 @@ nb::list convert(const nb::object& input, const nb::object& output, const nb::ob
   ConvertObserver observer;
   const auto written = without_gil([&]() -> Result<std::vector<WrittenFile>> {
     RETARGET_TRY_ASSIGN(request.data_folder.chosen, data_folder_of(chosen));
-    const bool no_robot = request.robot.name.empty() && request.robot.model.empty();
-    RETARGET_TRY_ASSIGN(const auto items, plan_outputs(request.output, request.save));
-    if (no_robot && items.size() == 1 && items.front().format == MotionFormat::kGlb) {
-      RETARGET_TRY(check_written({request.output}, {request.input}));
-      RETARGET_TRY(convert_human(request, observer));
-      return std::vector<WrittenFile>{{items.front(), {}}};
-    }
-    return convert_file(request, observer);
+    return convert_motion(request, observer);
   });
   for (const auto& [file, warning] : observer.told) warn(std::vector{warning}, file);
   nb::list paths;

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "bindings.h"
-#include "gallery_keywords.h"
 #include "handles.h"
 #include "keywords.h"
 #include "notes_observer.h"
@@ -22,6 +21,7 @@
 #include "retarget/rig.h"
 #include "retarget/run.h"
 #include "retarget/try.h"
+#include "tables.h"
 #include "watcher.h"
 
 namespace retarget::python {

@@ -18,6 +18,7 @@
 #include "retarget/live.h"
 #include "retarget/live_table.h"
 #include "retarget/plan.h"
+#include "tables.h"
 
 namespace retarget::python {
 

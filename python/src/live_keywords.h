@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 
 #include "retarget/live.h"
-#include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/serve_table.h"
 
@@ -15,9 +14,6 @@ struct LiveKeywords {
   Options run;
   ServeRequest serve;  ///< Only `plain` is used.
 };
-
-/// Returns the options of live except the robot and the rate.
-[[nodiscard]] OptionTable live_keywords(LiveKeywords& options);
 
 /// Returns the counters by name.
 [[nodiscard]] nanobind::dict described(const LiveStatistics& statistics);

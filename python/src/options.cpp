@@ -2,21 +2,20 @@
 
 #include <nanobind/nanobind.h>
 
-#include "batch_keywords.h"
 #include "bindings.h"
-#include "certify_keywords.h"
-#include "edit_keywords.h"
-#include "evaluate_table.h"
-#include "file_keywords.h"
-#include "gallery_keywords.h"
+#include "edit_source.h"
 #include "keywords.h"
 #include "live_keywords.h"
 #include "raise.h"
+#include "retarget/batch.h"
 #include "retarget/edit_tables.h"
+#include "retarget/gallery.h"
+#include "retarget/measure_files.h"
 #include "retarget/option_table.h"
 #include "retarget/report.h"
-#include "serve_keywords.h"
-#include "solving_table.h"
+#include "retarget/run.h"
+#include "retarget/serve_table.h"
+#include "tables.h"
 
 namespace retarget::python {
 namespace {

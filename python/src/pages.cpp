@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bindings.h"
-#include "evaluate_table.h"
+#include "gates.h"
 #include "handles.h"
 #include "raise.h"
 #include "retarget/measure.h"

@@ -20,7 +20,7 @@
 #include "retarget/plan.h"
 #include "retarget/run.h"
 #include "retarget/serve_table.h"
-#include "serve_keywords.h"
+#include "tables.h"
 #include "watcher.h"
 
 namespace retarget::python {

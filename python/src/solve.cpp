@@ -17,7 +17,7 @@
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
-#include "solving_table.h"
+#include "tables.h"
 #include "watcher.h"
 
 namespace retarget::python {
@@ -100,12 +100,10 @@ nb::dict changed_options(const PlanHandle& plan) {
   Options options = plan.plan->options;
   Options usual;
   const OptionTable table = solving_table(options);
-  const OptionTable defaults = solving_table(usual);
   nb::dict changed;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const std::string value = to_text(table[i].get());
-    if (value != to_text(defaults[i].get()))
-      changed[text_of(keyword_of(table[i]))] = text_of(value);
+  for (const std::string& name : retarget::changed_options(table, solving_table(usual))) {
+    const Option& row = *find_option(table, name);
+    changed[text_of(keyword_of(row))] = text_of(to_text(row.get()));
   }
   return changed;
 }

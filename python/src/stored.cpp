@@ -12,8 +12,8 @@
 #include "retarget/restore_motion.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/try.h"
-#include "solving_table.h"
 #include "stored_values.h"
+#include "tables.h"
 
 namespace retarget::python {
 namespace {

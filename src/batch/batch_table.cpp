@@ -1,7 +1,5 @@
 #include "retarget/batch.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <string>
 #include <utility>
 
@@ -15,23 +13,6 @@ Option batch_row(const char* name, auto& member, const char* group, const char* 
                  const char* help, OptionInfo info = {}) {
   info.decides = false;
   return option(name, member, group, type, help, std::move(info));
-}
-
-// The robot's base, or a folder: the former meaning of this option in batches.
-Option base_or_folder_row(RobotBase& base, std::string& folder) {
-  Option row = base_row(base);
-  row.info.type = fmt::format("{}", fmt::join(row.choices, "|"));
-  row.choices.clear();
-  row.set = [&base, &folder](const OptionValue& value) -> Result<void> {
-    const auto& text = std::get<std::string>(value);
-    if (const auto named = enum_from_name<RobotBase>(text)) {
-      base = *named;
-    } else {
-      folder = text;
-    }
-    return {};
-  };
-  return row;
 }
 
 }  // namespace
@@ -61,7 +42,6 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
       batch_row("robot", request.robots, kRobotGroup, "NAME,...",
                 "Robots by name or folder; with several robots, each has its own output folder",
                 {.basic = true}),
-      base_or_folder_row(run.robot.base, request.former_base),
       batch_row("output", request.output, kOutputGroup, "DIR",
                 "Output folder; created if it does not exist",
                 {.basic = true, .letter = "o", .required = true}),

@@ -116,11 +116,9 @@ void judge_quality(const Gates& gates, ClipQuality& quality) {
     const bool missing = is_certified_figure(gate.metric) && report.find(gate.metric) == nullptr;
     if (missing) report.gates.push_back({gate.metric, gate.min, gate.max, std::nullopt, false});
   }
-  const ClipQuality judged = clip_quality(report);
-  quality.missed = judged.missed;
-  quality.missed_gates = judged.missed_gates;
-  quality.worst = judged.worst;
-  quality.worst_ratio = judged.worst_ratio;
+  ClipQuality judged = clip_quality(report);
+  judged.figures = std::move(quality.figures);
+  quality = std::move(judged);
 }
 
 namespace {

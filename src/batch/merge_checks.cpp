@@ -64,7 +64,6 @@ Result<void> check_merge(const BatchRequest& request) {
     return refused_by_merge(marked_option(name),
                             name == "format" ? "it requires " RETARGET_OPTION("pack") : kOnlyJoins);
   }
-  if (!request.former_base.empty()) return refused_by_merge(RETARGET_OPTION("base"), kOnlyJoins);
   if (request.of_clip.sidecar) return refused_by_merge(RETARGET_OPTION("sidecar"), kOnlyJoins);
   if (request.of_clip.dynamics) return refused_by_merge(RETARGET_OPTION("dynamics"), kOnlyJoins);
   if (!request.quality) return refused_by_merge(RETARGET_OPTION("no-quality"), kOnlyJoins);

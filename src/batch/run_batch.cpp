@@ -95,31 +95,6 @@ Result<void> check_request(const BatchRequest& request) {
   return check_config_choice(robot, solve);
 }
 
-// `base` formerly named the folder that `relative_to` names now.
-Result<BatchRequest> without_former_options(BatchRequest request, Observer& observer) {
-  if (request.former_base.empty()) return request;
-  std::error_code ignored;
-  if (!fs::is_directory(request.former_base, ignored)) {
-    return usage_failure(
-        RETARGET_OPTION("base") " must be auto or fixed, found \"" + request.former_base + "\"",
-        RETARGET_OPTION("relative-to") " sets the folder whose tree is kept");
-  }
-  if (!request.relative_to.empty()) {
-    return usage_failure(RETARGET_OPTION("base") " DIR and " RETARGET_OPTION(
-                             "relative-to") " DIR have the same meaning",
-                         "give only one of them");
-  }
-  observer.warn(
-      {{0, 0,
-        RETARGET_OPTION("base") " DIR is now " RETARGET_OPTION(
-            "relative-to") " DIR; the former option will be "
-                           "removed, because " RETARGET_OPTION("base") " now refers to the "
-                                                                       "robot's base"}},
-      {});
-  request.relative_to = std::exchange(request.former_base, {});
-  return request;
-}
-
 // Normalised so that it can be joined with names in the manifest.
 std::string folder_text(const std::string& folder) {
   return os::without_last_separators(os::with_slashes(folder));
@@ -430,7 +405,7 @@ Result<void> record_gates(const std::string& folder, const Gates& gates) {
 }  // namespace
 
 Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
-  RETARGET_TRY_ASSIGN(BatchRequest request, without_former_options(given, observer));
+  BatchRequest request = given;
   RETARGET_TRY(check_request(request));
   // A certificate records the options of its motion, which sidecars have.
   request.of_clip.sidecar |= request.certify;

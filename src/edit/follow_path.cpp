@@ -37,9 +37,9 @@ Result<double> playing_speed(PathKeep keep, double own_length, double length) {
 // `clip` and `human` are the source, played at `speed`; `moves` has one entry per original frame.
 std::vector<PlantedFoot> moved_plants(const Clip& clip, const Calibration& calibration,
                                       const HumanClip& human, const std::vector<GroundPose>& moves,
-                                      double speed, double same_stand) {
+                                      double speed) {
   std::vector<PlantedFoot> plants;
-  const auto stands = find_foot_stands(human, same_stand);
+  const auto stands = find_foot_stands(human);
   const auto last_move = static_cast<double>(moves.size() - 1);
   const auto legs = find_legs(clip.skeleton(), calibration);
   for (int foot = 0; foot < 2; ++foot) {
@@ -114,14 +114,13 @@ Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibratio
   // Plant the feet last, in the resampled clip, because a filter would move them.
   std::vector<PlantedFoot> plants;
   if (speed == 1.0) {
-    plants = moved_plants(clip, calibration, human, moves, 1.0, options.same_stand);
+    plants = moved_plants(clip, calibration, human, moves, 1.0);
   } else {
     RETARGET_TRY_ASSIGN(const auto played, change_timing(clip, {.speed = speed}));
     RETARGET_TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.speed = speed}));
-    plants = moved_plants(played, calibration, to_human(played, calibration), moves, speed,
-                          options.same_stand);
+    plants = moved_plants(played, calibration, to_human(played, calibration), moves, speed);
   }
-  RETARGET_TRY_ASSIGN(result.feet, plant_feet(result.clip, calibration, plants, options.plant));
+  RETARGET_TRY_ASSIGN(result.feet, plant_feet(result.clip, calibration, plants));
   result.check = check_motion(human, human, to_human(result.clip, calibration),
                               {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
   const double way = stretch * result.source.path.length(), beyond = way - path.length();

@@ -19,6 +19,14 @@ namespace {
 
 // Metres: smaller drops are rounding errors.
 constexpr double kNoDrop = 1e-10;
+// Metres: maximum distance by which hips are lowered.
+constexpr double kDeepestPelvis = 0.1;
+// Legs extend freely up to kSoftReach of the length of thigh and shin; beyond it the extension
+// saturates at kMaxReach. For legs that the source extends farther, the range is from there to their
+// full length.
+constexpr double kSoftReach = 0.96, kMaxReach = 0.995;
+// Seconds: stances separated by less than this are merged.
+constexpr double kBreakInStand = 0.1;
 
 // Returns a smooth upper bound: a sliding maximum followed by a sliding mean.
 std::vector<double> smooth_cover(const std::vector<double>& values, int reach) {
@@ -75,7 +83,7 @@ class FootPlanter {
     std::vector<double> drops = find_drops(offsets, false);
     for (int foot = 0; foot < 2; ++foot) {
       if (!solvers_[foot]) continue;
-      rise_on_toes(offsets[foot], plants, foot, tracks_[foot], drops, options_, release);
+      rise_on_toes(offsets[foot], plants, foot, tracks_[foot], drops, release);
       fade_offsets(offsets[foot], release);
     }
     drops = find_drops(offsets, true);
@@ -108,13 +116,13 @@ class FootPlanter {
         if (offsets[foot].heel_up[frame] && !on_toes) continue;
         const Eigen::Vector3d from_foot =
             tracks_[foot].hips[frame] - offsets[foot].moved(frame, tracks_[foot]).translation;
-        const double reach = offsets[foot].reach(frame, tracks_[foot], 0.0, options_).easily();
+        const double reach = offsets[foot].reach(frame, tracks_[foot], 0.0).easily();
         if (from_foot.norm() <= reach) continue;
         const double left = reach * reach - from_foot.head<2>().squaredNorm();
         const double drop = left > 0.0 ? from_foot.z() - std::sqrt(left) : from_foot.z();
         // Limits the drop for low hips, so that a sitting or lying body stays above the floor.
         constexpr double kLower = 0.125;
-        const double deepest = std::clamp(kLower * from_foot.z(), 0.0, options_.deepest_pelvis);
+        const double deepest = std::clamp(kLower * from_foot.z(), 0.0, kDeepestPelvis);
         drops[frame] = std::max(drops[frame], std::clamp(drop, 0.0, deepest));
         any = true;
       }
@@ -126,7 +134,7 @@ class FootPlanter {
     const Pose wanted = offsets.moved(frame, tracks_[foot]);
     const Pose in_source{human_from_source_.conjugate() * wanted.rotation,
                          human_from_source_.conjugate() * wanted.translation / metres_per_unit_};
-    LegReach stretch = offsets.reach(frame, tracks_[foot], drop, options_);
+    LegReach stretch = offsets.reach(frame, tracks_[foot], drop);
     stretch.begin /= metres_per_unit_;
     stretch.room /= metres_per_unit_;
     const double miss = solvers_[foot]->reach(clip_, static_cast<int>(frame), in_source, stretch) *
@@ -197,7 +205,7 @@ std::vector<ContactPhase> without_short_breaks(const std::vector<ContactPhase>& 
   return closed;
 }
 
-std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, double same_stand) {
+std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human) {
   std::array<std::vector<FootStand>, 2> stands;
   const ContactPlan contacts = find_contacts(human);
   const double upright_rise = kUprightRise * contacts.scale;
@@ -225,7 +233,7 @@ std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, d
       if (phases.empty() || phases.back().end != frame) phases.push_back({frame, frame});
       phases.back().end = frame + 1;
     }
-    for (const ContactPhase& phase : without_short_breaks(phases, same_stand, human.rate)) {
+    for (const ContactPhase& phase : without_short_breaks(phases, kBreakInStand, human.rate)) {
       stands[foot].push_back(
           {phase.begin, phase.end, {stances.begin() + phase.begin, stances.begin() + phase.end}});
     }
@@ -322,11 +330,10 @@ Pose FootOffsets::moved(std::size_t frame, const LegTrack& leg) const {
   return {(exp_so3(turns[frame]) * ankle.rotation).normalized(), ankle.translation + shifts[frame]};
 }
 
-LegReach FootOffsets::reach(std::size_t frame, const LegTrack& leg, double drop,
-                            const PlantOptions& options) const {
+LegReach FootOffsets::reach(std::size_t frame, const LegTrack& leg, double drop) const {
   const double own = (leg.hips[frame] - leg.ankles[frame].translation).norm();
   const double against_hip = (shifts[frame] + Eigen::Vector3d(0.0, 0.0, drop)).norm();
-  return LegReach::of(leg.lengths[frame], own, against_hip, options.soft_reach, options.max_reach);
+  return LegReach::of(leg.lengths[frame], own, against_hip, kSoftReach, kMaxReach);
 }
 
 FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot, const LegTrack& leg) {
@@ -344,8 +351,7 @@ FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot, const
 }
 
 void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int foot,
-                  const LegTrack& leg, const std::vector<double>& drops,
-                  const PlantOptions& options, int ramp) {
+                  const LegTrack& leg, const std::vector<double>& drops, int ramp) {
   for (const PlantedFoot& plant : plants) {
     if (plant.foot != foot || !plant.toes_in_foot) continue;
     // Ramp up the rotation so that the foot does not jump when its toes touch down.
@@ -354,7 +360,7 @@ void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int
       if (stance_at(plant, static_cast<int>(i)) == FootStance::kOnHeel) continue;
       const double share = smooth_step(0.0, ramp, std::min(++down, ramp));
       const Eigen::Vector3d hip = leg.hips[i] - Eigen::Vector3d(0.0, 0.0, drops[i]);
-      const LegReach stretch = offsets.reach(i, leg, drops[i], options);
+      const LegReach stretch = offsets.reach(i, leg, drops[i]);
       offsets.set(i, on_its_toes(offsets.moved(i, leg), *plant.toes_in_foot, hip, stretch, share),
                   leg);
     }

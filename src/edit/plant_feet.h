@@ -65,7 +65,7 @@ struct PlantedFoot {
 /// @return kInput errors as for BodyMover::of.
 [[nodiscard]] Result<PlantSummary> plant_feet(Clip& clip, const Calibration& calibration,
                                               std::span<const PlantedFoot> plants,
-                                              const PlantOptions& options);
+                                              const PlantOptions& options = {});
 
 /// Returns the human-readable summary of the corrections.
 [[nodiscard]] std::string planted_text(const PlantSummary& feet);
@@ -83,10 +83,8 @@ struct FootStand {
 /// Returns the stances of the left and right foot of a human. Extends the contacts of whole feet
 /// (find_contacts) by frames with the heel up and the toes still down, or the toes up and the heel
 /// already down, using the same thresholds. A foot whose toes are level with the ankle or above it
-/// is lying, not standing.
-/// @param same_stand  stances separated by less than this are merged, seconds.
-[[nodiscard]] std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human,
-                                                                     double same_stand);
+/// is lying, not standing. Short breaks of a stance are ignored.
+[[nodiscard]] std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human);
 
 /// Returns the planted foot of a stance, at its current position.
 /// @param frame   frame from which the toe position in the foot is taken.
@@ -111,8 +109,7 @@ struct FootOffsets {
   /// Returns the corrected pose of the ankle.
   [[nodiscard]] Pose moved(std::size_t frame, const LegTrack& leg) const;
   /// Returns how far the leg stretches for that with the hips lowered by `drop`.
-  [[nodiscard]] LegReach reach(std::size_t frame, const LegTrack& leg, double drop,
-                               const PlantOptions& options) const;
+  [[nodiscard]] LegReach reach(std::size_t frame, const LegTrack& leg, double drop) const;
 };
 
 /// Returns the corrections of a foot in the frames in which it is planted. The frames between are
@@ -124,8 +121,7 @@ struct FootOffsets {
 /// @param drops  how far the hips are lowered, per frame.
 /// @param ramp   number of frames with the toes down after which the full rotation is allowed.
 void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int foot,
-                  const LegTrack& leg, const std::vector<double>& drops,
-                  const PlantOptions& options, int ramp);
+                  const LegTrack& leg, const std::vector<double>& drops, int ramp);
 
 /// Fades the corrections before, between and after the planted runs as described at plant_feet.
 /// @param release  length of the fade, frames.

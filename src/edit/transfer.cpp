@@ -244,7 +244,7 @@ Transferred transfer(const Subject& source, const Subject& target) {
   }
   result.left_out = std::move(uncarried.left_out);
   result.at_rest = std::move(uncarried.at_rest);
-  const auto feet = plant_transferred_feet(result.clip, onto, source.clip, source.calibration, {});
+  const auto feet = plant_transferred_feet(result.clip, onto, source.clip, source.calibration);
   if (feet) result.feet = *feet;
   result.notes.push_back(
       {"feet", feet ? planted_text(*feet) : "not planted: " + feet.error().message});

@@ -40,8 +40,7 @@ struct UncarriedJoints {
 /// @return kInput errors as for BodyMover::of.
 [[nodiscard]] Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
                                                           const Clip& clip,
-                                                          const Calibration& calibration,
-                                                          const PlantOptions& options);
+                                                          const Calibration& calibration);
 
 /// Joints of two skeletons matched by their own and their parent's name, with the difference of
 /// their rest poses.

@@ -18,9 +18,6 @@ namespace {
 
 using Track = std::vector<Eigen::Vector3d>;
 
-// Stances separated by less than this are merged, seconds.
-constexpr double kBreakInStand = 0.1;
-
 // Positions of a foot part in the target, and in the source scaled to the target's size.
 struct PartTrack {
   Track is, as_source;
@@ -80,8 +77,7 @@ class TransferredFoot {
 }  // namespace
 
 Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
-                                            const Clip& clip, const Calibration& calibration,
-                                            const PlantOptions& options) {
+                                            const Clip& clip, const Calibration& calibration) {
   const HumanClip source = to_human(clip, calibration), human = to_human(moved, target.calibration);
   const double scale = target.calibration.size / calibration.size;
   const auto part_of = [&](Bone bone) -> std::optional<PartTrack> {
@@ -99,7 +95,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
     return part;
   };
   std::vector<PlantedFoot> plants;
-  const auto stands = find_foot_stands(source, kBreakInStand);
+  const auto stands = find_foot_stands(source);
   const auto legs = find_legs(moved.skeleton(), target.calibration);
   for (int foot = 0; foot < 2; ++foot) {
     const Bone toe = side_bone(kSides[foot], LimbBone::kToe);
@@ -116,7 +112,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
       plants.push_back(std::move(plant));
     }
   }
-  return plant_feet(moved, target.calibration, plants, options);
+  return plant_feet(moved, target.calibration, plants);
 }
 
 }  // namespace retarget

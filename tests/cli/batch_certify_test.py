@@ -14,9 +14,6 @@ class Certify(BatchTest):
         for clip in ("squat", "get_up"):
             (self.folder / f"in/{clip}.bvh").write_bytes((SOURCE / f"data/{clip}.bvh").read_bytes())
 
-    def lines(self, name):
-        return (self.folder / "out" / name).read_text().splitlines()
-
     def test_certificates_select(self):
         self.clips("short.bvh")  # Two frames cannot be simulated.
         # The squat misses no gate. Getting up is a motion that the controller cannot track.

@@ -9,9 +9,6 @@ class Merge(BatchTest):
     def merge(self, *arguments, output="out"):
         return self.run_tool("batch", "--merge", "-o", output, *arguments)
 
-    def lines(self, name):
-        return (self.folder / "out" / name).read_text().splitlines()
-
     def shards(self, *numbers, options=()):
         for number in numbers:
             self.assert_done(self.batch("--shard", f"{number}/3", "--resume", *options))

@@ -18,6 +18,9 @@ class BatchTest(ToolTest):
         for name in names:
             self.write(f"{folder}/{name}", short_clip("wave", frames))
 
+    def lines(self, name, folder="out"):
+        return (self.folder / folder / name).read_text().splitlines()
+
     def manifest(self, path="out/manifest.jsonl"):
         return [json.loads(line) for line in (self.folder / path).read_text().splitlines()]
 

@@ -8,9 +8,6 @@ from tool import short_clip
 
 
 class Selection(BatchTest):
-    def lines(self, name):
-        return (self.folder / "out" / name).read_text().splitlines()
-
     def test_lists_contain_the_robots_of_the_current_call(self):
         self.clips("a.bvh", "b.bvh")
         self.assert_done(self.batch(robot="unitree_g1,booster_t1,unitree_h1"))

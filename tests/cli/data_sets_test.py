@@ -15,9 +15,6 @@ GMR = ("--method", "gmr")
 
 
 class DataSetTest(BatchTest):
-    def lines(self, name, folder="out"):
-        return (self.folder / folder / name).read_text().splitlines()
-
     def rows(self, name, folder="out"):
         return [line.split("\t") for line in self.lines(name, folder)]
 

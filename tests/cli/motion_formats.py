@@ -2,7 +2,7 @@
 
 import pickle
 
-from tool import SOURCE, ToolTest, difference, read_rows
+from tool import SOURCE, ToolTest, difference
 
 try:
     import numpy as np
@@ -34,9 +34,6 @@ class FormatsTest(ToolTest):
     def load(self, name):
         with open(self.folder / name, "rb") as file:
             return pickle.load(file)
-
-    def rows(self, name):
-        return read_rows((self.folder / name).read_text())
 
     def assert_same(self, found, expected, tolerance):
         self.assertIsNone(difference(found, expected, tolerance))

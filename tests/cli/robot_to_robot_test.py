@@ -42,12 +42,6 @@ class RobotToRobot(ToolTest):
         self.assert_done(result)
         return result
 
-    def rows(self, name):
-        return read_rows((self.folder / name).read_text())
-
-    def report(self, name):
-        return json.loads((self.folder / name).read_text())["motions"][0]
-
     def limb_angle(self, name):
         return self.report(name)["limb_angle_deg"][0]
 

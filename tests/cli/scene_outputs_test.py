@@ -4,7 +4,7 @@ import csv
 import json
 import unittest
 
-from tool import ToolTest, absent, sample, short_clip
+from tool import ToolTest, absent, raised_clip, sample
 
 try:
     import numpy
@@ -26,23 +26,12 @@ SCENE = {
 }
 
 
-def raised_clip():
-    """The first frames of the squat, on the step. The second channel is the height in cm."""
-    lines = short_clip("squat", FRAMES).decode().splitlines()
-    first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time:")) + 1
-    for i in range(first, len(lines)):
-        values = lines[i].split()
-        values[1] = str(float(values[1]) + STEP_CM)
-        lines[i] = " ".join(values)
-    return "\n".join(lines) + "\n"
-
-
 class SceneOutputs(ToolTest):
     def setUp(self):
         super().setUp()
         if numpy is None:
             absent("NumPy is missing")
-        self.write("raised.bvh", raised_clip())
+        self.write("raised.bvh", raised_clip("squat", FRAMES, STEP_CM))
         self.write("room.json", json.dumps(SCENE))
         rows = ["x,y,z,qw,qx,qy,qz"]
         rows += [f"{1.5 + 0.01 * i},0.0,0.5,1,0,0,0" for i in range(FRAMES)]

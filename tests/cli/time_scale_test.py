@@ -4,7 +4,7 @@ import json
 import math
 import unittest
 
-from tool import ToolTest, read_rows, sample
+from tool import ToolTest, sample
 
 # Three times as fast, for joints that are slower than the G1's.
 FAST = ("--source-fps", "90", "--fit-config", "slow_joints.json")
@@ -18,12 +18,6 @@ class TimeScaleTest(ToolTest):
     def run_sample(self, name, output, *arguments):
         self.assert_done(self.retarget("-q", *arguments, bvh=sample(name), output=output))
         return (self.folder / output).read_bytes()
-
-    def rows(self, name):
-        return read_rows((self.folder / name).read_text())
-
-    def report(self, name):
-        return json.loads((self.folder / name).read_text())["motions"][0]
 
 
 class Factor(TimeScaleTest):

@@ -74,6 +74,17 @@ def short_clip(name, frames):
     return ("\n".join([*head, *lines[motion + 2:motion + 2 + frames]]) + "\n").encode()
 
 
+def raised_clip(name, frames, rise):
+    """The same as text, raised by `rise` cm: the second channel is the height in cm."""
+    lines = short_clip(name, frames).decode().splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time:")) + 1
+    for i in range(first, len(lines)):
+        values = lines[i].split()
+        values[1] = str(float(values[1]) + rise)
+        lines[i] = " ".join(values)
+    return "\n".join(lines) + "\n"
+
+
 def read_rows(text):
     """Rows of comma-separated numbers."""
     return [[float(value) for value in line.split(",")] for line in text.splitlines()]
@@ -108,6 +119,14 @@ class ToolTest(unittest.TestCase):
             self.skipTest("the tool is not built")
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="retarget test "))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def rows(self, name):
+        """The rows of a CSV of numbers in the folder."""
+        return read_rows((self.folder / name).read_text())
+
+    def report(self, name):
+        """The report on the first motion of a file in the folder."""
+        return json.loads((self.folder / name).read_text())["motions"][0]
 
     def tool_environment(self, **variables):
         """Returns the environment without robots installed by the user."""

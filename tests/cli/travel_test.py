@@ -4,7 +4,7 @@ import json
 import math
 import unittest
 
-from tool import ToolTest, read_rows, sample
+from tool import ToolTest, sample
 
 FAST = ("--source-fps", "60")  # the walk, twice as fast
 
@@ -14,11 +14,8 @@ class TravelTest(ToolTest):
         self.assert_done(self.retarget("-q", *arguments, bvh=sample("walk"), output=output))
         return (self.folder / output).read_bytes()
 
-    def report(self, name):
-        return json.loads((self.folder / name).read_text())["motions"][0]
-
     def way(self, name):
-        rows = read_rows((self.folder / name).read_text())
+        rows = self.rows(name)
         return math.hypot(rows[-1][0] - rows[0][0], rows[-1][1] - rows[0][1])
 
 

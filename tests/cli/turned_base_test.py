@@ -4,7 +4,7 @@ import math
 import unittest
 import xml.etree.ElementTree as ElementTree
 
-from tool import SOURCE, ToolTest, read_rows, sample
+from tool import SOURCE, ToolTest, sample
 
 
 def product(a, b):
@@ -56,9 +56,6 @@ def turn_base(model, turn):
 class TurnedBase(ToolTest):
     def add(self, name, model):
         self.assert_done(self.run_tool("robots", "add", name, "--model", model, "-o", "."))
-
-    def rows(self, name):
-        return read_rows((self.folder / name).read_text())
 
     def test_a_torso_as_base_with_other_axes_than_the_pelvis(self):
         model = SOURCE / "robots/booster_t1/model.xml"

@@ -8,7 +8,7 @@ import numpy as np
 
 from pages import data_of, tracks_of
 from pages_in_browser import PagesInABrowser
-from tool import ToolTest, short_clip
+from tool import ToolTest, raised_clip
 
 FRAMES, CLIP_FPS = 60, 30
 # The human squats on a step of 20 cm. A mesh is beside it, and a crate moves and turns.
@@ -31,13 +31,7 @@ SHOWN = (0, 45)
 
 def write_scene_files(test):
     """The clip, the scene and the track, in the folder of the test."""
-    lines = short_clip("squat", FRAMES).decode().splitlines()
-    first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time:")) + 1
-    for i in range(first, len(lines)):
-        values = lines[i].split()
-        values[1] = str(float(values[1]) + STEP_CM)
-        lines[i] = " ".join(values)
-    test.write("raised.bvh", "\n".join(lines) + "\n")
+    test.write("raised.bvh", raised_clip("squat", FRAMES, STEP_CM))
     test.write("room.json", json.dumps(SCENE))
     rows = ["x,y,z,qw,qx,qy,qz"]
     for i in range(FRAMES):

@@ -8,6 +8,7 @@
 #include <memory>
 #include <random>
 
+#include "dynamics/inverse_model.h"
 #include "robot/robot_kinematics.h"
 #include "robot/shipped_robots.h"
 #include "solve/dynamics/motion_spline.h"
@@ -27,17 +28,7 @@ std::vector<std::shared_ptr<const Robot>> robots() {
 class Reference {
  public:
   explicit Reference(const Robot& robot)
-      : model_(mj_copyModel(nullptr, robot.model()), mj_deleteModel),
-        data_(mj_makeData(model_.get()), mj_deleteData) {
-    model_->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_CONTACT | mjDSBL_LIMIT;
-    mju_zero(model_->dof_damping, model_->nv);
-    mju_zero(model_->dof_frictionloss, model_->nv);
-    mju_zero(model_->jnt_stiffness, model_->njnt);
-    model_->opt.gravity[2] = -kGravity;
-    for (int j = 0; j < static_cast<int>(robot.joints().size()); ++j) {
-      model_->dof_armature[robot.joints()[j].dof_address] = robot.rotor_inertia(j);
-    }
-  }
+      : model_(inverse_model(robot)), data_(mj_makeData(model_.get()), mj_deleteData) {}
 
   std::vector<double> forces(const MotionState& state) {
     std::ranges::copy(state.qpos, data_->qpos);
@@ -66,7 +57,7 @@ class Reference {
   }
 
  private:
-  std::unique_ptr<mjModel, void (*)(mjModel*)> model_;
+  ModelPointer model_;
   std::unique_ptr<mjData, void (*)(mjData*)> data_;
 };
 

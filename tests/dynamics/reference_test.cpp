@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/math/gravity.h"
+#include "dynamics/inverse_model.h"
 #include "retarget/so3.h"
 #include "robot/shipped_robots.h"
 #include "support/test_robots.h"
@@ -177,18 +178,8 @@ class MujocoInverse {
  public:
   explicit MujocoInverse(const Robot& robot)
       : robot_(robot),
-        model_(mj_copyModel(nullptr, robot.model()), mj_deleteModel),
-        data_(mj_makeData(model_.get()), mj_deleteData) {
-    model_->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_CONTACT | mjDSBL_LIMIT;
-    mju_zero(model_->dof_damping, model_->nv);
-    mju_zero(model_->dof_frictionloss, model_->nv);
-    mju_zero(model_->jnt_stiffness, model_->njnt);
-    model_->opt.gravity[2] = -kGravity;
-    for (int j = 0; j < static_cast<int>(robot.joints().size()); ++j) {
-      model_->dof_armature[robot.joints()[static_cast<std::size_t>(j)].dof_address] =
-          robot.rotor_inertia(j);
-    }
-  }
+        model_(inverse_model(robot)),
+        data_(mj_makeData(model_.get()), mj_deleteData) {}
 
   // Generalised forces by degree of freedom in the reference's order.
   std::vector<double> forces(const MotionReference& reference, std::size_t row) {
@@ -230,7 +221,7 @@ class MujocoInverse {
   }
 
   const Robot& robot_;
-  std::unique_ptr<mjModel, void (*)(mjModel*)> model_;
+  ModelPointer model_;
   std::unique_ptr<mjData, void (*)(mjData*)> data_;
 };
 

@@ -154,7 +154,7 @@ TEST(FeetAfterATransfer, ContactsMatchTheSource) {
   Clip moved = transfer(sample.clip, sample.calibration, other.as_target());
   const HumanClip slid = other.human_of(moved);
   const auto feet =
-      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.calibration, {});
+      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.calibration);
   ASSERT_TRUE(feet) << describe(feet.error());
   const HumanClip planted = other.human_of(moved);
   EXPECT_LT(feet->largest_miss, 0.002);
@@ -166,7 +166,7 @@ TEST(FeetAfterATransfer, ContactsMatchTheSource) {
   // With an identical body the feet need no correction.
   Clip same = transfer(sample.clip, sample.calibration, sample.as_target());
   const auto none =
-      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.calibration, {});
+      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.calibration);
   ASSERT_TRUE(none);
   EXPECT_LT(none->largest_correction, 1e-9);
 }

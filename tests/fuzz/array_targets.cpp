@@ -30,18 +30,14 @@ void check_array(const Result<NpyArray>& array) {
 
 void check_clip(const Clip& clip) {
   require(clip.frame_count() > 0 && clip.rate().fps() > 0.0, "motions have frames and a rate");
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    for (const auto& rotation : clip.rotations(frame)) {
-      require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
-    }
-    for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
-      require(clip.translation(frame, joint).allFinite(), "translations are finite");
-    }
+  for (const Joint& joint : clip.skeleton().joints()) {
+    require(joint.offset.allFinite(), "offsets are finite");
   }
+  check_frames(clip);
 }
 
 void check_motion(std::string_view bytes) {
-  SmplReadOptions options;
+  ArrayReadOptions options;
   // Of several motions, reads the first one.
   options.take = "1";
   const auto motion = read_array_motion(bytes, "fuzz.npz", options);

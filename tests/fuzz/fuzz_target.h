@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/robot.h"
 
@@ -33,11 +34,20 @@ bool good(const Result<Value>& result) {
   return result.has_value();
 }
 
+/// Requires rotations of unit length and finite translations in all frames.
+void check_frames(const Clip& clip);
+
 /// Path of a file with these bytes, for readers that only read files; the next call overwrites it.
 [[nodiscard]] std::string file_of(std::string_view bytes, const char* name);
 
 /// The Unitree G1 of the repository, for motions and settings.
 [[nodiscard]] const std::shared_ptr<const Robot>& fuzz_robot();
+
+/// Lines of a stream in a format.
+void fuzz_decoder(std::string_view format, std::string_view bytes);
+/// Binary packets of a format, each preceded by two bytes with its size: as datagrams, and as the
+/// bytes of a connection; an empty one ends the connection.
+void fuzz_packets(std::string_view format, std::string_view bytes);
 
 void fuzz_bvh(std::string_view bytes);
 void fuzz_npy(std::string_view bytes);
@@ -69,14 +79,6 @@ void fuzz_gltf(std::string_view bytes);
 void fuzz_mvnx(std::string_view bytes);
 void fuzz_scene(std::string_view bytes);
 void fuzz_object_track(std::string_view bytes);
-void fuzz_stream_lines(std::string_view bytes);
-void fuzz_stream_bvh(std::string_view bytes);
-void fuzz_stream_vmc(std::string_view bytes);
-void fuzz_stream_rokoko(std::string_view bytes);
-void fuzz_stream_smplx(std::string_view bytes);
-void fuzz_stream_xrobot(std::string_view bytes);
-void fuzz_stream_mvn(std::string_view bytes);
-void fuzz_stream_natnet(std::string_view bytes);
 void fuzz_stream_record(std::string_view bytes);
 
 }  // namespace retarget::fuzz

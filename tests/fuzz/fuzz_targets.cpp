@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -43,14 +44,14 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"mvnx", fuzz_mvnx},
     {"scene", fuzz_scene},
     {"object_track", fuzz_object_track},
-    {"stream_lines", fuzz_stream_lines},
-    {"stream_bvh", fuzz_stream_bvh},
-    {"stream_vmc", fuzz_stream_vmc},
-    {"stream_rokoko", fuzz_stream_rokoko},
-    {"stream_smplx", fuzz_stream_smplx},
-    {"stream_xrobot", fuzz_stream_xrobot},
-    {"stream_mvn", fuzz_stream_mvn},
-    {"stream_natnet", fuzz_stream_natnet},
+    {"stream_lines", [](std::string_view bytes) { fuzz_decoder("lines", bytes); }},
+    {"stream_bvh", [](std::string_view bytes) { fuzz_decoder("bvh", bytes); }},
+    {"stream_vmc", [](std::string_view bytes) { fuzz_packets("vmc", bytes); }},
+    {"stream_rokoko", [](std::string_view bytes) { fuzz_packets("rokoko", bytes); }},
+    {"stream_smplx", [](std::string_view bytes) { fuzz_decoder("smplx", bytes); }},
+    {"stream_xrobot", [](std::string_view bytes) { fuzz_decoder("xrobot", bytes); }},
+    {"stream_mvn", [](std::string_view bytes) { fuzz_packets("mvn", bytes); }},
+    {"stream_natnet", [](std::string_view bytes) { fuzz_packets("natnet", bytes); }},
     {"stream_record", fuzz_stream_record},
 });
 
@@ -69,6 +70,17 @@ void require(bool condition, const char* what) {
   if (condition) return;
   std::fprintf(stderr, "not true: %s\n", what);
   std::abort();
+}
+
+void check_frames(const Clip& clip) {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (const auto& rotation : clip.rotations(frame)) {
+      require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
+    }
+    for (const auto& translation : clip.translations(frame)) {
+      require(translation.allFinite(), "translations are finite");
+    }
+  }
 }
 
 std::string file_of(std::string_view bytes, const char* name) {

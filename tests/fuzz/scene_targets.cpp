@@ -1,7 +1,6 @@
 // Any bytes as files of 3D scenes: FBX, glTF (as GLB and as JSON), MVNX; read as a motion and as a
 // skeleton. Accepted files must be valid.
 
-#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -16,14 +15,7 @@ void check_scene_clip(const Clip& clip) {
   for (const Joint& joint : clip.skeleton().joints()) {
     require(!joint.name.empty() && joint.offset.allFinite(), "joints have names and places");
   }
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    for (const auto& rotation : clip.rotations(frame)) {
-      require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
-    }
-    for (const auto& translation : clip.translations(frame)) {
-      require(translation.allFinite(), "translations are finite");
-    }
-  }
+  check_frames(clip);
 }
 
 void read_both_ways(std::string_view bytes) {

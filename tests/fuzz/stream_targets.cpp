@@ -44,6 +44,8 @@ class CheckedSink final : public StreamSink {
   std::size_t joints_ = 0, translated_ = 0;
 };
 
+}  // namespace
+
 void fuzz_decoder(std::string_view format, std::string_view bytes) {
   const auto found = find_stream_format(std::string(format));
   require(found.has_value(), "the format exists");
@@ -61,8 +63,6 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
   }
 }
 
-// Binary packets, each preceded by two bytes with its size: as datagrams, and as the bytes of a
-// connection; an empty one ends the connection.
 void fuzz_packets(std::string_view format, std::string_view bytes) {
   const auto found = find_stream_format(std::string(format));
   require(found.has_value(), "the format exists");
@@ -84,40 +84,6 @@ void fuzz_packets(std::string_view format, std::string_view bytes) {
     bytes.remove_prefix(2 + size);
   }
   datagrams->restart();
-}
-
-}  // namespace
-
-void fuzz_stream_lines(std::string_view bytes) {
-  fuzz_decoder("lines", bytes);
-}
-
-void fuzz_stream_bvh(std::string_view bytes) {
-  fuzz_decoder("bvh", bytes);
-}
-
-void fuzz_stream_smplx(std::string_view bytes) {
-  fuzz_decoder("smplx", bytes);
-}
-
-void fuzz_stream_xrobot(std::string_view bytes) {
-  fuzz_decoder("xrobot", bytes);
-}
-
-void fuzz_stream_vmc(std::string_view bytes) {
-  fuzz_packets("vmc", bytes);
-}
-
-void fuzz_stream_rokoko(std::string_view bytes) {
-  fuzz_packets("rokoko", bytes);
-}
-
-void fuzz_stream_mvn(std::string_view bytes) {
-  fuzz_packets("mvn", bytes);
-}
-
-void fuzz_stream_natnet(std::string_view bytes) {
-  fuzz_packets("natnet", bytes);
 }
 
 void fuzz_stream_record(std::string_view bytes) {

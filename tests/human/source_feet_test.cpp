@@ -3,7 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
 #include "human/gait/contact_plan.h"
+#include "support/still_human.h"
 
 namespace retarget {
 namespace {
@@ -12,25 +18,14 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 HumanClip standing_human(int frames, double left_leg) {
-  HumanClip human;
-  human.frame_count = frames;
-  human.sources = BoneArray<std::string>("");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames));
-  const auto place = [&](const char* name, const Eigen::Vector3d& position) {
-    const Bone bone = bone_from_name(name).value();
-    human.sources[bone] = name;
-    for (int i = 0; i < frames; ++i) {
-      human.world_from_bone[static_cast<std::size_t>(i)][bone].translation = position;
-    }
-  };
-  for (const auto& [side, y] : {std::pair{std::string("Left"), 0.1}, {"Right", -0.1}}) {
-    const double leg = side == "Left" ? left_leg : 0.9;
-    place((side + "UpLeg").c_str(), {0.0, y, 0.08 + leg});
-    place((side + "Leg").c_str(), {0.0, y, 0.08 + 0.5 * leg});
-    place((side + "Foot").c_str(), {0.0, y, 0.08});
-    place((side + "Toe").c_str(), {0.14, y, 0.02});
+  std::vector<std::pair<std::string, Eigen::Vector3d>> places;
+  for (const auto& [side, y, leg] : {std::tuple{"Left", 0.1, left_leg}, {"Right", -0.1, 0.9}}) {
+    places.emplace_back(side + std::string("UpLeg"), Eigen::Vector3d(0.0, y, 0.08 + leg));
+    places.emplace_back(side + std::string("Leg"), Eigen::Vector3d(0.0, y, 0.08 + 0.5 * leg));
+    places.emplace_back(side + std::string("Foot"), Eigen::Vector3d(0.0, y, 0.08));
+    places.emplace_back(side + std::string("Toe"), Eigen::Vector3d(0.14, y, 0.02));
   }
-  return human;
+  return still_human(places, frames);
 }
 
 TEST(SourceFeet, AreFoundOnAStandingHuman) {

@@ -4,7 +4,6 @@
 
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include "math/lie_series.h"
 #include "retarget/so3.h"
@@ -12,20 +11,6 @@
 
 namespace retarget {
 namespace {
-
-class RandomTwists {
- public:
-  Vector6d next(double angle) {
-    Vector6d twist;
-    for (int i = 0; i < 6; ++i) twist[i] = uniform_(engine_);
-    twist.tail<3>() *= angle / twist.tail<3>().norm();
-    return twist;
-  }
-
- private:
-  std::mt19937 engine_{7};
-  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
-};
 
 // log(exp(d) exp(x)) by central differences in d.
 Matrix6d numeric_left_jacobian_inverse(const Vector6d& x) {

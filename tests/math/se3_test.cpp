@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "retarget/so3.h"
@@ -11,20 +10,6 @@
 
 namespace retarget {
 namespace {
-
-class RandomTwists {
- public:
-  Vector6d next(double angle) {
-    Vector6d twist;
-    for (int i = 0; i < 6; ++i) twist[i] = uniform_(engine_);
-    twist.tail<3>() *= angle / twist.tail<3>().norm();
-    return twist;
-  }
-
- private:
-  std::mt19937 engine_{7};
-  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
-};
 
 Eigen::Matrix4d hat(const Vector6d& twist) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();

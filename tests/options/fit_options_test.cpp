@@ -36,20 +36,6 @@ TEST(FitOptions, ReportsAllErrors) {
   EXPECT_FALSE(parse_fit_options("{", "a.json").has_value());
 }
 
-TEST(FitOptions, ReadsFormerNames) {
-  const auto options = parse_fit_options(
-      R"({"speed_soft": 7.5, "speed_most": 12.5, "largest_step": 0.25})", "a.json");
-  ASSERT_TRUE(options.has_value()) << describe(options.error());
-  EXPECT_EQ(options->soft_joint_speed, 7.5);
-  EXPECT_EQ(options->max_joint_speed, 12.5);
-  EXPECT_EQ(options->max_joint_step, 0.25);
-  // Their ranges apply as well.
-  EXPECT_FALSE(parse_fit_options(R"({"speed_most": 0})", "a.json").has_value());
-  const auto both = parse_fit_options(R"({"max_joint_speed": 3, "speed_most": 4})", "a.json");
-  ASSERT_FALSE(both.has_value());
-  EXPECT_THAT(describe(both.error()), HasSubstr("are both given"));
-}
-
 TEST(FitOptions, DisablesTermsByName) {
   FitOptions options;
   ASSERT_TRUE(set_terms(options, std::vector<std::string>{"self-collision", "speed"}, false));

@@ -8,11 +8,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "retarget/measure.h"
 #include "retarget/report.h"
+#include "support/still_human.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 
@@ -104,24 +105,14 @@ inline std::vector<Fault> faults_of(const QualityReport& report, const std::stri
 
 /// A human whose feet stand for a second.
 inline HumanClip standing_human(int frames) {
-  HumanClip human;
-  human.frame_count = frames;
-  human.sources = BoneArray<std::string>("");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames));
-  for (const auto& [name, x, z] : {std::tuple{"UpLeg", 0.0, 0.93},
-                                   {"Leg", 0.0, 0.5},
-                                   {"Foot", 0.0, 0.08},
-                                   {"Toe", 0.1, 0.02}}) {
-    for (const std::string side : {"Left", "Right"}) {
-      const Bone bone = bone_from_name(side + name).value();
-      human.sources[bone] = name;
-      for (int i = 0; i < frames; ++i) {
-        human.world_from_bone[static_cast<std::size_t>(i)][bone].translation =
-            Eigen::Vector3d(x, side == "Left" ? 0.1 : -0.1, z);
-      }
-    }
+  std::vector<std::pair<std::string, Eigen::Vector3d>> places;
+  for (const auto& [side, y] : {std::pair{"Left", 0.1}, {"Right", -0.1}}) {
+    places.emplace_back(side + std::string("UpLeg"), Eigen::Vector3d(0.0, y, 0.93));
+    places.emplace_back(side + std::string("Leg"), Eigen::Vector3d(0.0, y, 0.5));
+    places.emplace_back(side + std::string("Foot"), Eigen::Vector3d(0.0, y, 0.08));
+    places.emplace_back(side + std::string("Toe"), Eigen::Vector3d(0.1, y, 0.02));
   }
-  return human;
+  return still_human(places, frames);
 }
 
 }  // namespace retarget

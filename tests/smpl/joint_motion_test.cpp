@@ -25,14 +25,14 @@ std::vector<double> counted(std::size_t count) {
   return values;
 }
 
-JointMotion joints_of(const std::string& bytes, const SmplReadOptions& options = {}) {
+JointMotion joints_of(const std::string& bytes, const ArrayReadOptions& options = {}) {
   Result<ArrayMotion> motion = read_array_motion(bytes, "joints", options);
   if (motion && std::holds_alternative<JointMotion>(*motion)) return std::get<JointMotion>(*motion);
   ADD_FAILURE() << (motion ? "a motion of SMPL" : describe(motion.error()));
   return {};
 }
 
-std::string joint_error(const std::string& bytes, const SmplReadOptions& options = {}) {
+std::string joint_error(const std::string& bytes, const ArrayReadOptions& options = {}) {
   const Result<ArrayMotion> motion = read_array_motion(bytes, "joints.npy", options);
   if (motion) return "no error";
   EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
@@ -56,7 +56,7 @@ TEST(JointMotionTest, ReadsShapesOfHumanMlAndMdm) {
   EXPECT_TRUE(human_ml.names.empty());
 
   // Samples, joints, axes, frames.
-  SmplReadOptions second;
+  ArrayReadOptions second;
   second.take = "2";
   const std::string mdm = npy_doubles({3, 22, 3, 4}, counted(792));
   const JointMotion motion = joints_of(mdm, second);
@@ -108,7 +108,7 @@ TEST(JointMotionTest, ReadsMdmResults) {
   const std::string members =
       dictionary_of_arrays({{"motion", float64_array(counted(2 * 22 * 3 * 4), {2, 22, 3, 4})},
                             {"lengths", float64_array(lengths, {2})}});
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.take = "1";
   const JointMotion motion = joints_of(saved_dictionary(members), options);
   EXPECT_EQ(motion.frame_count, 3);
@@ -140,7 +140,7 @@ TEST(JointMotionTest, ReadsNpzWithNamesRatesAndHeight) {
   EXPECT_EQ(to_text(motion.rate), "25");
   EXPECT_EQ(motion.height, 1.8);
   EXPECT_TRUE(motion.warnings.empty());
-  SmplReadOptions other;
+  ArrayReadOptions other;
   other.source_fps = 50;
   other.joint_names = {"x", "y"};
   EXPECT_EQ(to_text(joints_of(bytes, other).rate), "50");
@@ -222,10 +222,10 @@ TEST(JointMotionTest, RejectsOtherArrays) {
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 4}, counted(176))), HasSubstr("(2, 22, 4)"));
   EXPECT_THAT(joint_error(npy_doubles({2, 66}, counted(132))), HasSubstr("(frames, joints, 3)"));
   EXPECT_THAT(joint_error(npy("<f8", "(1152921504606846976, 22, 3)", "")), HasSubstr("shape"));
-  SmplReadOptions little;
+  ArrayReadOptions little;
   little.max_clip_bytes = 3000;
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, counted(132)), little), HasSubstr("memory"));
-  SmplReadOptions take;
+  ArrayReadOptions take;
   take.take = "2";
   EXPECT_THAT(joint_error(Parts().npz(), take), HasSubstr("only one motion"));
 }
@@ -245,7 +245,7 @@ TEST(JointMotionTest, SelectsOneOfSeveralDictionaries) {
   }
   writer.end_dict();
   const std::string bytes = writer.finish();
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.source_fps = 30;
   EXPECT_THAT(joint_error(bytes, options), HasSubstr("the file holds 2 motions: ann, bob"));
   EXPECT_THAT(joint_error(bytes, options), HasSubstr("--take NAME chooses one"));

@@ -28,7 +28,7 @@ TEST(MotionFileTest, GvhmrResultsEqualTheNpzMotionWithYUp) {
   EXPECT_EQ(found.family, SmplFamily::kSmplx);
   EXPECT_EQ(found.betas, parts.betas);
   EXPECT_THAT(warnings_of(found), HasSubstr("assuming GVHMR's 30 fps"));
-  SmplReadOptions given;
+  ArrayReadOptions given;
   given.source_fps = 25.0;
   EXPECT_EQ(motion_of(parts.gvhmr(), given).clip.rate(), (FrameRate{25, 1}));
   EXPECT_THAT(warnings_of(motion_of(parts.gvhmr(), given)), Not(HasSubstr("fps")));
@@ -36,7 +36,7 @@ TEST(MotionFileTest, GvhmrResultsEqualTheNpzMotionWithYUp) {
   // The model's own pelvis position is rotated as well.
   const Result<SmplBody> body = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
   ASSERT_TRUE(body.has_value());
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.body = &*body;
   expect_same_motion(motion_of(parts.gvhmr(), options), motion_of(parts.npz(), options), 1e-15,
                      kZUpFromYUp);

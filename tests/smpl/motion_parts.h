@@ -12,6 +12,7 @@
 #include "formats/containers/pickle.h"
 #include "formats/smpl/read_smpl.h"
 #include "smpl_test_support.h"
+#include "support/load_smpl.h"
 #include "support/torch_builder.h"
 
 namespace retarget {
@@ -96,7 +97,7 @@ struct Parts {
   }
 };
 
-inline SmplMotion motion_of(const std::string& bytes, const SmplReadOptions& options = {}) {
+inline SmplMotion motion_of(const std::string& bytes, const ArrayReadOptions& options = {}) {
   Result<SmplMotion> motion = read_smpl(bytes, "walk", options);
   if (motion) return *motion;
   ADD_FAILURE() << describe(motion.error());

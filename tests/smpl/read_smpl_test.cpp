@@ -30,10 +30,19 @@ std::string number(double value) {
   return npy_doubles({}, {value});
 }
 
+// Random poses with hands at rest.
+std::vector<double> poses_of_bodies() {
+  std::vector<double> poses = Numbers(3).list(kFrames * 156, 1.2);
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    std::fill_n(poses.begin() + static_cast<long>(frame * 156 + 66), 90, 0.0);
+  }
+  return poses;
+}
+
 // The arrays of a valid AMASS file; some of them replaced or, if empty, omitted.
 struct Amass {
   std::size_t width = 156;
-  std::vector<double> poses = Numbers(3).list(kFrames * 156, 1.2);
+  std::vector<double> poses = poses_of_bodies();
   std::vector<double> trans = Numbers(4).list(kFrames * 3);
   std::vector<std::pair<std::string, std::string>> replaced;
 
@@ -61,14 +70,14 @@ struct Amass {
   }
 };
 
-SmplMotion amass_motion(const Amass& amass, const SmplReadOptions& options = {}) {
+SmplMotion amass_motion(const Amass& amass, const ArrayReadOptions& options = {}) {
   Result<SmplMotion> motion = read_smpl(amass.bytes(), "walk.npz", options);
   if (motion) return *motion;
   ADD_FAILURE() << describe(motion.error());
   return {Clip(smpl_skeleton(generic_smpl_rest_body(1)), FrameRate{}, 0), {}, {}, {}, {}, {}, {}};
 }
 
-std::string amass_error(const Amass& amass, const SmplReadOptions& options = {}) {
+std::string amass_error(const Amass& amass, const ArrayReadOptions& options = {}) {
   const Result<SmplMotion> motion = read_smpl(amass.bytes(), "walk.npz", options);
   if (motion) return "no error";
   EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
@@ -158,7 +167,7 @@ TEST(ReadSmpl, UsesJointsOfTheUsersModel) {
   const MadeUpModel model(24, 3);
   const Result<SmplBody> body = read_smpl_body(model.bytes(), "model.npz");
   ASSERT_TRUE(body.has_value()) << describe(body.error());
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.body = &*body;
   Amass amass;
   const std::vector<double> betas = {0.5, -1.0, 2.0};
@@ -178,7 +187,7 @@ TEST(ReadSmpl, WarnsAboutBetasThatDoNotFitTheModel) {
   const Result<SmplBody> smpl = read_smpl_body(MadeUpModel(24, 3).bytes(), "smpl.npz");
   const Result<SmplBody> smplx = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
   ASSERT_TRUE(smpl.has_value() && smplx.has_value());
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.body = &*smpl;
 
   // Additional zeros cause no warning.
@@ -268,7 +277,7 @@ TEST(ReadSmpl, ReadsEveryFormOfTheFrameRate) {
 }
 
 TEST(ReadSmpl, RequiresARateOrOverride) {
-  SmplReadOptions given;
+  ArrayReadOptions given;
   given.source_fps = 50.0;
   const auto both = [&](const Amass& amass, const std::string& words) {
     EXPECT_THAT(amass_error(amass), HasSubstr(words));
@@ -334,7 +343,7 @@ TEST(ReadSmpl, ReadsHeightFromBetas) {
 }
 
 TEST(ReadSmpl, ClipStaysWithinTheMemoryLimit) {
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.max_clip_bytes = 500;
   EXPECT_THAT(amass_error(Amass{}, options), HasSubstr("of memory, at most 500 are allowed"));
   Amass narrow;

@@ -12,6 +12,7 @@
 #include "retarget/clip.h"
 #include "retarget/so3.h"
 #include "smpl/smpl_test_support.h"
+#include "support/load_smpl.h"
 
 namespace retarget {
 namespace {
@@ -30,10 +31,8 @@ std::string file_of(Arrays arrays) {
   return builder.build();
 }
 
-SmplMotion motion_with_hands(const std::string& bytes, bool fingers = true,
-                             const SmplBody* body = nullptr) {
-  SmplReadOptions options;
-  options.fingers = fingers;
+SmplMotion motion_with_hands(const std::string& bytes, const SmplBody* body = nullptr) {
+  ArrayReadOptions options;
   options.body = body;
   auto motion = read_smpl(bytes, "fingers.npz", options);
   EXPECT_TRUE(motion.has_value()) << (motion ? "" : describe(motion.error()));
@@ -106,11 +105,10 @@ TEST(SmplFingersTest, MayHaveSeparateArrays) {
 }
 
 TEST(SmplFingersTest, IgnoresOtherColumns) {
-  const auto joints = [](const std::string& bytes, bool fingers = true) {
-    return motion_with_hands(bytes, fingers).clip.skeleton().joint_count();
+  const auto joints = [](const std::string& bytes) {
+    return motion_with_hands(bytes).clip.skeleton().joint_count();
   };
   std::vector<double> hands = Numbers(3).list(kHandFrames * 90);
-  EXPECT_EQ(joints(whole(156, hands), false), 22) << "without the option";
   EXPECT_EQ(joints(whole(156, std::vector<double>(kHandFrames * 90))), 22) << "zeros";
   std::vector<double> still;
   for (std::size_t frame = 0; frame < kHandFrames; ++frame) {
@@ -133,7 +131,7 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
 TEST(SmplFingersTest, DoNotChangeTheBody) {
   const std::vector<double> hands = Numbers(6).list(kHandFrames * 90);
   const SmplMotion with = motion_with_hands(whole(156, hands));
-  const SmplMotion without = motion_with_hands(whole(156, hands), false);
+  const SmplMotion without = motion_with_hands(whole(156, std::vector<double>(kHandFrames * 90)));
   for (int joint = 0; joint < without.clip.skeleton().joint_count(); ++joint) {
     const Joint& plain = without.clip.skeleton().joint(joint);
     const auto same = with.clip.skeleton().find(plain.name);
@@ -150,7 +148,7 @@ TEST(SmplFingersTest, UseTheBonesOfAModel) {
   const SmplRestBody rest = smpl_rest_body(*body, {});
   ASSERT_EQ(rest.hands.size(), 30U);
   const SmplMotion motion =
-      motion_with_hands(whole(165, Numbers(7).list(kHandFrames * 90)), true, &*body);
+      motion_with_hands(whole(165, Numbers(7).list(kHandFrames * 90)), &*body);
   const Skeleton& skeleton = motion.clip.skeleton();
   const Joint& index = skeleton.joint(*skeleton.find("left_index2"));
   EXPECT_LT((index.offset - (rest.hands[1] - rest.hands[0])).norm(), 1e-12);

@@ -11,28 +11,12 @@
 
 #include "retarget/clip.h"
 #include "retarget/load.h"
+#include "stream/stream_support.h"
 
 namespace retarget {
 namespace {
 
 using testing::HasSubstr;
-
-class Kept final : public StreamSink {
- public:
-  void take_skeleton(Clip clip, bool has_rest) override {
-    skeletons.push_back(std::move(clip));
-    rests.push_back(has_rest);
-  }
-  void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
-
-  std::vector<Clip> skeletons;
-  std::vector<bool> rests;
-  std::vector<StreamFrame> frames;
-};
-
-Clip walk() {
-  return load_clip(RETARGET_SOURCE_DIR "/data/walk.bvh").value();
-}
 
 // Takes one line at a time, like a source.
 Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sink) {
@@ -47,7 +31,7 @@ Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sin
 }
 
 std::string refused_line(Decoder& decoder, std::string_view line) {
-  Kept kept;
+  KeptStream kept;
   const auto taken = decoder.take(line, kept);
   EXPECT_FALSE(taken) << line;
   EXPECT_TRUE(kept.frames.empty());
@@ -55,13 +39,13 @@ std::string refused_line(Decoder& decoder, std::string_view line) {
 }
 
 TEST(StreamFormats, PlayedFramesRoundTrip) {
-  const Clip clip = walk();
+  const Clip clip = sample_clip("walk");
   for (const StreamFormat& format : stream_formats()) {
     // Other formats have their own tests.
-    if (format.encoder == nullptr || !format.is_text || format.plays_human != nullptr) continue;
+    if (!format.is_text || format.plays_human != nullptr) continue;
     const auto encoder = format.encoder();
     const auto decoder = format.decoder(parse_address("udp:1?fps=60").value());
-    Kept kept;
+    KeptStream kept;
     ASSERT_TRUE(take_lines(*decoder, encoder->begin(clip), kept)) << format.name;
     ASSERT_EQ(kept.skeletons.size(), 1U) << format.name;
     const Skeleton& skeleton = kept.skeletons[0].skeleton();
@@ -97,8 +81,8 @@ TEST(StreamFormats, AreFoundByName) {
 }
 
 TEST(Lines, ReportTheirProperties) {
-  const auto decoder = make_line_decoder({});
-  Kept kept;
+  const auto decoder = stream_decoder("lines");
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(
       R"({"skeleton": {"up": "y", "unit": 0.01, "height": 1.8, "joints": [
           {"name": "Hips", "parent": null, "rest": [0, 100, 0, 1, 0, 0, 0]},
@@ -122,7 +106,7 @@ TEST(Lines, ReportTheirProperties) {
 }
 
 TEST(Lines, AreRejectedWithAReason) {
-  const auto decoder = make_line_decoder({});
+  const auto decoder = stream_decoder("lines");
   EXPECT_THAT(refused_line(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
   EXPECT_THAT(refused_line(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
   EXPECT_THAT(refused_line(*decoder, "[1, 2]"), HasSubstr("object"));
@@ -135,7 +119,7 @@ TEST(Lines, AreRejectedWithAReason) {
       HasSubstr("before it"));
   EXPECT_THAT(refused_line(*decoder, R"({"skeleton": {"up": "w", "joints": [{"name": "a"}]}})"),
               HasSubstr("up"));
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", kept));
   EXPECT_FALSE(kept.rests[0]);
   EXPECT_THAT(refused_line(*decoder, R"({"joints": {}})"), HasSubstr("missing"));
@@ -149,13 +133,14 @@ TEST(Lines, AreRejectedWithAReason) {
 }
 
 TEST(BvhRows, RequireASkeleton) {
-  const auto decoder = make_bvh_row_decoder({});
+  const auto decoder = stream_decoder("bvh");
   EXPECT_THAT(refused_line(*decoder, "1 2 3"), HasSubstr("skeleton"));
-  decoder->know_skeleton(walk().shared_skeleton());
+  decoder->know_skeleton(sample_clip("walk").shared_skeleton());
   EXPECT_THAT(refused_line(*decoder, "1 2 3"), HasSubstr("numbers"));
   std::string row;
-  for (int i = 0; i < walk().skeleton().channel_count(); ++i) row += i == 0 ? "0" : " 0";
-  Kept kept;
+  for (int i = 0; i < sample_clip("walk").skeleton().channel_count(); ++i)
+    row += i == 0 ? "0" : " 0";
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(row + "\r\n", kept));
   EXPECT_TRUE(std::isnan(kept.frames.at(0).time));
   EXPECT_THAT(refused_line(*decoder, row + " 0"), HasSubstr("numbers"));
@@ -163,16 +148,16 @@ TEST(BvhRows, RequireASkeleton) {
 }
 
 TEST(BvhRows, DeclareTheirFrameTime) {
-  const Clip clip = walk();
-  const auto encoder = make_bvh_row_encoder();
-  const auto decoder = make_bvh_row_decoder({});
-  Kept kept;
+  const Clip clip = sample_clip("walk");
+  const auto encoder = stream_encoder("bvh");
+  const auto decoder = stream_decoder("bvh");
+  KeptStream kept;
   ASSERT_TRUE(take_lines(*decoder, encoder->begin(clip), kept));
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(decoder->take(encoder->frame(clip, i).value(), kept));
   EXPECT_TRUE(std::isnan(kept.frames[2].time));
   EXPECT_EQ(kept.frames[2].declared, clip.rate().time_of(2));
   for (const char* wrong : {"Frame Time: 0", "Frame Time: -1", "Frame Time: nan", "Frame Time:"}) {
-    const auto other = make_bvh_row_decoder({});
+    const auto other = stream_decoder("bvh");
     ASSERT_TRUE(take_lines(*other, encoder->begin(clip), kept));
     ASSERT_TRUE(other->take(wrong, kept)) << wrong;
     ASSERT_TRUE(other->take(encoder->frame(clip, 0).value(), kept)) << wrong;
@@ -199,11 +184,11 @@ TEST(StreamFormats, ThatNeedPacketsUseNoPipes) {
 }
 
 TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {
-  const Clip clip = walk();
-  const auto decoder = make_bvh_row_decoder({});
+  const Clip clip = sample_clip("walk");
+  const auto decoder = stream_decoder("bvh");
   decoder->know_skeleton(clip.shared_skeleton());
-  Kept kept;
-  ASSERT_TRUE(take_lines(*decoder, make_bvh_row_encoder()->begin(clip), kept));
+  KeptStream kept;
+  ASSERT_TRUE(take_lines(*decoder, stream_encoder("bvh")->begin(clip), kept));
   EXPECT_TRUE(kept.skeletons.empty());
 }
 

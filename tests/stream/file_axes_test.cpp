@@ -64,7 +64,7 @@ TEST(FileAxesOfLines, AreThoseOfTheUsersFile) {
   std::vector<Pose> expected(static_cast<std::size_t>(clip.skeleton().joint_count()));
   forward_kinematics(clip, kFrame, expected);
   for (const bool turns_joints : {false, true}) {
-    const auto decoder = make_line_decoder({});
+    const auto decoder = stream_decoder("lines");
     decoder->know_skeleton(clip.shared_skeleton());
     decoder->know_up(Eigen::Vector3d::UnitY());
     KeptStream kept;
@@ -88,8 +88,8 @@ TEST(FileAxesOfLines, AreThoseOfTheUsersFile) {
 
 TEST(FileAxesOfLines, ChangeNothingThatIsTheSameOrUnknown) {
   const Clip clip = sample_clip("wave");
-  const auto encoder = make_line_encoder();
-  const auto decoder = make_line_decoder({});
+  const auto encoder = stream_encoder("lines");
+  const auto decoder = stream_decoder("lines");
   decoder->know_skeleton(clip.shared_skeleton());
   decoder->know_up(Eigen::Vector3d::UnitY());
   KeptStream kept;
@@ -108,7 +108,7 @@ TEST(FileAxesOfLines, ChangeNothingThatIsTheSameOrUnknown) {
 TEST(FileAxesOfLines, StayThoseOfTheFileAfterAnotherSkeleton) {
   const Clip clip = sample_clip("walk");
   const auto lines = converted_lines(clip, 0, {false});
-  const auto decoder = make_line_decoder({});
+  const auto decoder = stream_decoder("lines");
   decoder->know_skeleton(clip.shared_skeleton());
   decoder->know_up(Eigen::Vector3d::UnitY());
   KeptStream kept;
@@ -134,21 +134,21 @@ TEST(FileAxesOfMvn, AreThoseOfTheUsersFile) {
   const Clip clip = sample_clip("walk");
   const std::string folder = find_data_folder(DataFolder{RETARGET_SOURCE_DIR}).value();
   const Clip human = clip_of_human_bones(clip, {}, folder).value();
-  const auto encoder = make_mvn_encoder();
+  const auto encoder = stream_encoder("mvn");
   const std::string header = encoder->begin(human), frame = encoder->frame(human, 100).value();
   const auto take = [&](Decoder& decoder, KeptStream& kept) {
     ASSERT_TRUE(decoder.take(header, kept));
     ASSERT_TRUE(decoder.take(frame, kept));
   };
   KeptStream without;
-  take(*make_mvn_decoder(parse_address("udp:1").value()), without);
+  take(*stream_decoder("mvn", parse_address("udp:1").value()), without);
   const auto expected = without.world(0);
 
   const Eigen::Quaterniond y_up = kZUpFromYUp.conjugate();
   std::vector<Joint> joints = without.skeletons[0].skeleton().joints();
   for (Joint& joint : joints) joint.offset = 100.0 * (y_up * joint.offset);
   const auto file = std::make_shared<const Skeleton>(joints);
-  const auto decoder = make_mvn_decoder(parse_address("udp:1").value());
+  const auto decoder = stream_decoder("mvn", parse_address("udp:1").value());
   decoder->know_skeleton(file);
   decoder->know_up(Eigen::Vector3d::UnitY());
   KeptStream kept;

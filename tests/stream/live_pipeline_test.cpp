@@ -14,6 +14,7 @@
 #include "live/stream/stream_record.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/load.h"
+#include "stream/stream_support.h"
 #include "support/lafan1_map.h"
 #include "support/temporary_folder.h"
 
@@ -24,10 +25,6 @@ const LoadedRobot& g1() {
   static const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   return robot;
-}
-
-Clip sample(const std::string& name) {
-  return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
 }
 
 struct StreamRun {
@@ -74,7 +71,7 @@ void play_clip_to(StreamRun& run, const Clip& clip, const char* format, double b
 TEST(LivePipeline, FollowsAStreamWithItsSkeleton) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
-    play_clip_to(run, sample("walk"), format);
+    play_clip_to(run, sample_clip("walk"), format);
     run.pipeline.finish(6.0);
     EXPECT_GT(run.frames.size(), 400U) << format;
     EXPECT_EQ(run.pipeline.packets().skeletons, 1);
@@ -91,7 +88,7 @@ bool is_told(const StreamRun& run, std::string_view text) {
 TEST(LivePipeline, RecognisesABodyByItsFirstFrame) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
-    const Clip clip = sample("walk");
+    const Clip clip = sample_clip("walk");
     const auto encoder = (*find_stream_format(format))->encoder();
     run.lines(encoder->begin(clip), 0.0);
     EXPECT_TRUE(run.told.empty()) << format;
@@ -106,15 +103,15 @@ TEST(LivePipeline, RecognisesABodyByItsFirstFrame) {
 
 TEST(LivePipeline, IsIndependentOfThePollingRate) {
   StreamRun seldom, often;
-  play_clip_to(seldom, sample("wave"), "lines");
-  play_clip_to(often, sample("wave"), "lines", 0.0, true);
+  play_clip_to(seldom, sample_clip("wave"), "lines");
+  play_clip_to(often, sample_clip("wave"), "lines", 0.0, true);
   EXPECT_EQ(seldom.frames, often.frames);
 }
 
 TEST(LivePipeline, SkipsMalformedPackets) {
   StreamRun run;
-  const Clip clip = sample("wave");
-  const auto encoder = make_line_encoder();
+  const Clip clip = sample_clip("wave");
+  const auto encoder = stream_encoder("lines");
   run.lines(encoder->begin(clip), 0.0);
   for (int frame = 0; frame < 60; ++frame) {
     const double now = clip.rate().time_of(frame);
@@ -132,10 +129,10 @@ TEST(LivePipeline, SkipsMalformedPackets) {
 
 TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   StreamRun run;
-  play_clip_to(run, sample("squat"), "lines");
+  play_clip_to(run, sample_clip("squat"), "lines");
   const std::size_t first = run.frames.size();
   // The same joints, a smaller body, and a restarted clock.
-  Clip small = sample("walk");
+  Clip small = sample_clip("walk");
   std::vector<Joint> joints = small.skeleton().joints();
   for (Joint& joint : joints) joint.offset *= 0.9;
   Clip other(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
@@ -178,10 +175,10 @@ TEST(LivePipeline, CalibratesFromThePerformersPose) {
   LivePipelineOptions options;
   options.calibrate = LiveCalibration::kTpose;
   options.calibrate_after_s = 1.0;
-  const Clip clip = sample("wave"), pose = t_pose_of(clip);
+  const Clip clip = sample_clip("wave"), pose = t_pose_of(clip);
   StreamRun known, posed(options);
   play_clip_to(known, clip, "lines");
-  const auto encoder = make_line_encoder();
+  const auto encoder = stream_encoder("lines");
   posed.lines(encoder->begin(clip), 0.0);
   for (int frame = 0; frame < 29; ++frame) {
     posed.lines(encoder->frame(pose, 0).value(), frame / 30.0);
@@ -213,14 +210,14 @@ TEST(LivePipeline, WaitsForAHuman) {
       std::ranges::count_if(
           run.told, [](const std::string& line) { return line.starts_with("body: waiting"); }),
       1);
-  play_clip_to(run, sample("wave"), "lines", 1.0);
+  play_clip_to(run, sample_clip("wave"), "lines", 1.0);
   EXPECT_GT(run.frames.size(), 100U);
 }
 
 TEST(LivePipeline, KeepsItsBodyIfAnotherSkeletonIsRejected) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
-    const Clip clip = sample("wave");
+    const Clip clip = sample_clip("wave");
     const auto encoder = (*find_stream_format(format))->encoder();
     run.lines(encoder->begin(clip), 0.0);
     for (int frame = 0; frame < 60; ++frame) {

@@ -104,7 +104,7 @@ std::string scale_message(Header header, const std::vector<Eigen::Vector3d>& pla
 }
 
 std::unique_ptr<Decoder> decoder_of(const char* address = "udp:9763?format=mvn") {
-  return make_mvn_decoder(parse_address(address).value());
+  return stream_decoder("mvn", parse_address(address).value());
 }
 
 std::string mvn_refusal(Decoder& decoder, std::string_view bytes) {
@@ -317,10 +317,10 @@ void play_to(Decoder& decoder, const Encoder& encoder, std::string_view bytes, K
 
 TEST(MvnPlayer, SendsTheHumanOfAnyClip) {
   const Clip clip = sample_clip("walk");
-  ASSERT_TRUE(plays_human_as_mvn(clip));
+  ASSERT_TRUE(format_of("mvn").plays_human(clip));
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip human = clip_of_human_bones(clip, {}, folder).value();
-  const auto encoder = make_mvn_encoder();
+  const auto encoder = stream_encoder("mvn");
   const auto decoder = decoder_of();
   KeptStream kept;
   play_to(*decoder, *encoder, encoder->begin(human), kept);
@@ -364,13 +364,13 @@ TEST(MvnPlayer, SendsTheSegmentsOfAnMvnClip) {
   Clip clip(std::make_shared<const Skeleton>(joints), FrameRate{50, 1}, 2);
   clip.rotations(1)[0] = Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitY());
   clip.rotations(1)[8] = Eigen::AngleAxisd(0.9, Eigen::Vector3d::UnitX());
-  EXPECT_TRUE(plays_human_as_mvn(clip));
+  EXPECT_TRUE(format_of("mvn").plays_human(clip));
   ClipOrigin origin;
   origin.metres_per_unit = 0.01;
   origin.up = Eigen::Vector3d::UnitY();
   clip.set_origin(origin);
-  ASSERT_FALSE(plays_human_as_mvn(clip));
-  const auto encoder = make_mvn_encoder();
+  ASSERT_FALSE(format_of("mvn").plays_human(clip));
+  const auto encoder = stream_encoder("mvn");
   const auto decoder = decoder_of();
   KeptStream kept;
   play_to(*decoder, *encoder, encoder->begin(clip), kept);

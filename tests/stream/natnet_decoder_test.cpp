@@ -61,20 +61,20 @@ std::string server_info(Version version) {
                                little_endian(0, 2) + std::string(15, '\0'));
 }
 
-struct Bone {
+struct DescribedBone {
   std::string name;
   int id, parent;
   Eigen::Vector3d offset;
 };
 
 // A child before its parent, as Motive sends toes.
-const std::vector<Bone> kBones = {{"Anna_Hip", 1, 0, {0, 0, 0}},
-                                  {"Anna_LToe", 4, 3, {0, -0.07, 0.14}},
-                                  {"Anna_LThigh", 2, 1, {0.09, -0.03, 0}},
-                                  {"Anna_LShin", 3, 2, {0, -0.42, 0.01}},
-                                  {"Anna_Ab", 5, 1, {0, 0.09, -0.01}}};
+const std::vector<DescribedBone> kBones = {{"Anna_Hip", 1, 0, {0, 0, 0}},
+                                           {"Anna_LToe", 4, 3, {0, -0.07, 0.14}},
+                                           {"Anna_LThigh", 2, 1, {0.09, -0.03, 0}},
+                                           {"Anna_LShin", 3, 2, {0, -0.42, 0.01}},
+                                           {"Anna_Ab", 5, 1, {0, 0.09, -0.01}}};
 
-std::string bone_description(Version version, const Bone& bone) {
+std::string bone_description(Version version, const DescribedBone& bone) {
   std::string bytes = text(bone.name) + little_endian(static_cast<std::uint64_t>(bone.id), 4) +
                       little_endian(static_cast<std::uint64_t>(bone.parent), 4) +
                       vector(bone.offset);
@@ -92,14 +92,14 @@ std::string described(Version version, int type, const std::string& item) {
          (version.is_from(4, 1) ? little_endian(item.size(), 4) : "") + item;
 }
 
-std::string skeleton_description(Version version, int id, const std::vector<Bone>& bones) {
+std::string skeleton_description(Version version, int id, const std::vector<DescribedBone>& bones) {
   std::string item = text("Anna") + little_endian(static_cast<std::uint64_t>(id), 4) +
                      little_endian(bones.size(), 4);
-  for (const Bone& bone : bones) item += bone_description(version, bone);
+  for (const DescribedBone& bone : bones) item += bone_description(version, bone);
   return described(version, 2, item);
 }
 
-std::string models(Version version, const std::vector<Bone>& bones = kBones) {
+std::string models(Version version, const std::vector<DescribedBone>& bones = kBones) {
   std::string sets = described(
       version, 0, text("all") + little_endian(2, 4) + text("Anna_WaistL") + text("Anna_WaistR"));
   sets += described(version, 1, bone_description(version, {"Box", 9, -1, {0, 0, 0}}));
@@ -185,7 +185,7 @@ std::vector<Pose> world_poses() {
 }
 
 std::unique_ptr<Decoder> natnet_decoder(const std::string& extras = "") {
-  return make_natnet_decoder(parse_address("udp:1511?format=natnet" + extras).value());
+  return stream_decoder("natnet", parse_address("udp:1511?format=natnet" + extras).value());
 }
 
 std::string natnet_refusal(Decoder& decoder, std::string_view bytes) {
@@ -383,10 +383,10 @@ TEST(NatNetPlayer, RoundTripsAllJoints) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("walk"), {}, folder).value();
   EXPECT_EQ(clip.origin().metres_per_unit, 0.01);
-  const auto encoder = make_natnet_encoder();
+  const auto encoder = stream_encoder("natnet");
   const std::string header = encoder->begin(clip);
   // In pieces, as from a pipe.
-  const auto decoder = make_natnet_decoder(parse_address("stdin?format=natnet").value());
+  const auto decoder = stream_decoder("natnet", parse_address("stdin?format=natnet").value());
   KeptStream kept;
   std::string bytes = header;
   for (int index = 0; index < clip.frame_count(); ++index) {
@@ -414,7 +414,7 @@ TEST(NatNetPlayer, RoundTripsAllJoints) {
 TEST(NatNetPlayer, RepliesToItsReceivers) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("wave"), {}, folder).value();
-  const auto encoder = make_natnet_encoder();
+  const auto encoder = stream_encoder("natnet");
   EXPECT_FALSE(encoder->begin(clip).empty());
   const auto decoder = natnet_decoder("&server=127.0.0.1");
   KeptStream kept;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "human/twins.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stream_formats.h"
@@ -123,7 +124,7 @@ TEST(InputPace, GivesTheFramesOfASession) {
 TEST(InputPace, HoldsThePoseInAGapOfTheTimes) {
   const Clip clip = sample_clip("walk");
   SentStream run(LivePace::kInput);
-  const auto encoder = make_line_encoder();
+  const auto encoder = stream_encoder("lines");
   run.send(encoder->begin(clip), 0.0);
   for (int i = 0; i < 120; ++i) {
     if (i >= 50 && i < 80) continue;  // A second.
@@ -138,7 +139,7 @@ TEST(InputPace, InterpolatesGaps) {
   const Clip clip = resample(sample_clip("walk"), frame_rate_from_fps(120.0)).value();
   for (const int missing : {10, 20, 25, 28}) {
     SentStream run(LivePace::kInput);
-    const auto encoder = make_line_encoder();
+    const auto encoder = stream_encoder("lines");
     run.send(encoder->begin(clip), 0.0);
     for (int i = 0; i < 480; ++i) {
       if (i <= 200 || i > 200 + missing) run.send(encoder->frame(clip, i).value(), 0.0);
@@ -165,7 +166,7 @@ TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
                                           {1e6, 8333.0, "look like microseconds"},
                                           {0.0, 1.0 / 120.0, ""}}) {
     SentStream run(LivePace::kInput);
-    const auto encoder = make_line_encoder();
+    const auto encoder = stream_encoder("lines");
     run.send(encoder->begin(clip), 0.0);
     for (int i = 0; i < 60; ++i) {
       auto line = nlohmann::json::parse(encoder->frame(clip, i).value());
@@ -182,7 +183,7 @@ TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
 
 TEST(InputPace, WarnsOfFramesWithoutTimes) {
   const Clip clip = sample_clip("walk");
-  const auto encoder = make_bvh_row_encoder();
+  const auto encoder = stream_encoder("bvh");
   const std::string header = encoder->begin(clip);
   const auto lines = sent_lines(clip, *encoder);
   // Without the line that states the frame time.
@@ -256,30 +257,14 @@ TEST(NewSender, FramesWaitForItsSkeleton) {
 
 // The same motion with other joint axes, so that the zero pose is not human.
 Clip with_other_axes(const Clip& clip) {
-  std::vector<Joint> joints = clip.skeleton().joints();
   std::vector<Eigen::Quaterniond> old_from_new;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const double angle = 0.3 + 0.7 * static_cast<double>(j % 5);
-    const Eigen::Vector3d axis(1.0, 0.5 * static_cast<double>(j % 3), -0.4);
-    old_from_new.emplace_back(Eigen::AngleAxisd(angle, axis.normalized()));
+  for (int j = 0; j < clip.skeleton().joint_count(); ++j) {
+    const Eigen::Vector3d axis(1.0, 0.5 * (j % 3), -0.4);
+    old_from_new.emplace_back(Eigen::AngleAxisd(0.3 + 0.7 * (j % 5), axis.normalized()));
   }
-  const auto parent_turn = [&](std::size_t j) {
-    return joints[j].parent < 0 ? Eigen::Quaterniond::Identity()
-                                : old_from_new[static_cast<std::size_t>(joints[j].parent)];
-  };
-  Clip turned = clip;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const Eigen::Quaterniond parent = parent_turn(j);
-    for (int frame = 0; frame < clip.frame_count(); ++frame) {
-      turned.rotations(frame)[j] = parent.conjugate() * clip.rotations(frame)[j] * old_from_new[j];
-    }
-    joints[j].offset = parent.conjugate() * joints[j].offset;
-    for (Eigen::Vector3d& end : joints[j].end_sites) end = old_from_new[j].conjugate() * end;
-  }
-  Clip made(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) copy_frame(turned, frame, made, frame);
-  made.set_origin(clip.origin());
-  return made;
+  Clip turned = with_other_axes(clip, old_from_new);
+  turned.set_origin(clip.origin());
+  return turned;
 }
 
 // The zero pose of a skeleton may be folded up: the first frame calibrates a body that replaces
@@ -398,7 +383,7 @@ class CountingDecoder final : public Decoder, private StreamSink {
 
   int& skeletons_;
   StreamSink* sink_ = nullptr;
-  std::unique_ptr<Decoder> lines_ = make_line_decoder({});
+  std::unique_ptr<Decoder> lines_ = stream_decoder("lines");
 };
 
 // While a skeleton has no pose, the decoder reads both skeletons again to try packets.
@@ -409,7 +394,7 @@ TEST(NewSender, MalformedPacketsReadSkeletonsAgainAFewTimesPerSecond) {
       set_up_robot(sent_robot(), {}).value(), SentStream::options(LivePace::kClock),
       std::make_unique<CountingDecoder>(skeletons), [](const RobotFrame&) {},
       [](std::string_view, std::string_view) {});
-  const auto encoder = make_line_encoder();
+  const auto encoder = stream_encoder("lines");
   ASSERT_TRUE(pipeline.packet(encoder->begin(clip), 0.0));
   ASSERT_TRUE(pipeline.packet(encoder->frame(clip, 0).value(), 0.0));
   ASSERT_TRUE(pipeline.packet(encoder->begin(next), 0.1));
@@ -423,7 +408,7 @@ TEST(NewSender, MayReplaceAnotherWithTheUsersSkeleton) {
   const Clip clip = sample_clip("walk");
   SentStream run(LivePace::kClock, "udp:1?format=bvh");
   ASSERT_TRUE(run.pipeline.know_skeleton(clip));
-  const auto encoder = make_bvh_row_encoder();
+  const auto encoder = stream_encoder("bvh");
   EXPECT_FALSE(encoder->begin(clip).empty());
   run.send(encoder->frame(clip, 0).value(), 0.0);
   run.pipeline.restart_sender(2.0, true);

@@ -89,7 +89,7 @@ std::string bomb(const std::string& begin, std::uint16_t period) {
 
 TEST(PacketBounds, RejectLz4BombsEarly) {
   if (!Lz4Frame::is_available()) GTEST_SKIP() << "this build lacks LZ4";
-  const auto decoder = make_rokoko_decoder({});
+  const auto decoder = stream_decoder("rokoko");
   const std::string one = bomb(R"({"scene": {"a": [0,)", 2);
   Counted counted;
   const auto refused = decoder->take(one, counted);
@@ -100,7 +100,7 @@ TEST(PacketBounds, RejectLz4BombsEarly) {
 }
 
 TEST(PacketBounds, RejectEndlessObjectsEarly) {
-  const auto decoder = make_rokoko_decoder({});
+  const auto decoder = stream_decoder("rokoko");
   expect_cheap(*decoder, repeated("{}", kDatagram), "empty objects");
   expect_cheap(*decoder, repeated("{}x", kDatagram), "with noise between them");
   expect_cheap(*decoder, R"({"scene":{"actors":[)" + repeated("{},", kDatagram) + "{}]}}",
@@ -130,7 +130,7 @@ TEST(PacketBounds, JsonIsBounded) {
 }
 
 TEST(PacketBounds, RejectTooManyLinesEarly) {
-  const auto decoder = make_line_decoder({});
+  const auto decoder = stream_decoder("lines");
   std::string joints;
   for (int i = 0; joints.size() < kDatagram; ++i) {
     joints += (i == 0 ? "\"" : ",\"") + std::to_string(i) + "\":[0,0,0,1,0,0,0]";
@@ -138,7 +138,7 @@ TEST(PacketBounds, RejectTooManyLinesEarly) {
   Counted counted;
   ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", counted));
   expect_cheap(*decoder, "{\"joints\":{" + joints + "}}", "joints beyond the skeleton's");
-  expect_cheap(*make_smplx_decoder({}), "{\"betas\":[" + repeated("0,", kDatagram) + "0]}",
+  expect_cheap(*stream_decoder("smplx"), "{\"betas\":[" + repeated("0,", kDatagram) + "0]}",
                "betas");
 }
 
@@ -153,7 +153,7 @@ std::string repeated_bundle(const std::string& message) {
 }
 
 TEST(PacketBounds, RejectOscBundlesEarly) {
-  const auto decoder = make_vmc_decoder({});
+  const auto decoder = stream_decoder("vmc");
   const std::string hips = padded_text("/VMC/Ext/Bone/Pos") + padded_text(",sfffffff") +
                            padded_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
                            std::string(2, '\0');
@@ -166,7 +166,7 @@ TEST(PacketBounds, RejectOscBundlesEarly) {
 }
 
 TEST(PacketBounds, RejectHierarchiesEarly) {
-  const auto decoder = make_bvh_row_decoder({});
+  const auto decoder = stream_decoder("bvh");
   std::string text =
       "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n";
   std::string ends = "}\n";
@@ -185,7 +185,7 @@ TEST(PacketBounds, RejectHierarchiesEarly) {
 
 // A rejected packet does not change how the decoder reads the next one.
 TEST(PacketBounds, KeepTheNextPacket) {
-  const auto decoder = make_line_decoder({});
+  const auto decoder = stream_decoder("lines");
   Counted counted;
   ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", counted));
   EXPECT_FALSE(decoder->take(std::string(1000, '['), counted));

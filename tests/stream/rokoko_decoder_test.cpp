@@ -98,7 +98,7 @@ Json packet_of(const std::vector<Json>& actors, double time) {
 }
 
 std::unique_ptr<Decoder> decoder_at(const std::string& address) {
-  return make_rokoko_decoder(parse_address(address).value());
+  return stream_decoder("rokoko", parse_address(address).value());
 }
 
 std::string refusal(const std::string& bytes, const std::string& address = "udp:1") {

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "formats/smpl/read_smpl.h"
 #include "formats/smpl/smpl_body.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
+#include "support/load_smpl.h"
 #include "support/npz_builder.h"
 
 namespace retarget {
@@ -72,7 +72,7 @@ TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
   ASSERT_TRUE(read) << describe(read.error());
-  const auto decoder = make_smplx_decoder({});
+  const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
     ASSERT_TRUE(decoder->take(motion.line(frame).dump(), kept));
@@ -95,9 +95,9 @@ TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
 TEST(SmplxLines, PlayAFileUnchanged) {
   const auto read = read_smpl(Motion().npz(), "motion.npz");
   ASSERT_TRUE(read);
-  ASSERT_FALSE(smplx_plays_human(read->clip));
-  const auto encoder = make_smplx_encoder();
-  const auto decoder = make_smplx_decoder({});
+  ASSERT_FALSE(format_of("smplx").plays_human(read->clip));
+  const auto encoder = stream_encoder("smplx");
+  const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   std::string header = encoder->begin(read->clip);
   ASSERT_TRUE(decoder->take(header, kept));
@@ -119,7 +119,7 @@ TEST(SmplxLines, AcceptNamesOfOtherPrograms) {
   const Motion motion;
   const Json line = motion.line(3);
   const auto frame_of = [](const Json& told) {
-    const auto decoder = make_smplx_decoder({});
+    const auto decoder = stream_decoder("smplx");
     KeptStream kept;
     const auto taken = decoder->take(told.dump(), kept);
     EXPECT_TRUE(taken) << describe(taken.error());
@@ -153,7 +153,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
   Json line = Motion().line(0);
   line["global_orient"] = {0, 0, 0};
   line["transl"] = {1, 2, 3};
-  const auto decoder = make_smplx_decoder({});
+  const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(R"({"up": "y", "height": 1.6})", kept));
   ASSERT_TRUE(decoder->take(line.dump(), kept));
@@ -170,7 +170,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
 TEST(SmplxLines, UseTheBodyOfTheUsersFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
-  const auto decoder = make_smplx_decoder({});
+  const auto decoder = stream_decoder("smplx");
   decoder->know_skeleton(read->clip.shared_skeleton());
   KeptStream kept;
   Json line = motion.line(2);
@@ -189,7 +189,7 @@ TEST(SmplxLines, AreRejectedWithAReason) {
   const auto refusal = [&](const std::function<void(Json&)>& change) {
     Json changed = line;
     change(changed);
-    const auto decoder = make_smplx_decoder({});
+    const auto decoder = stream_decoder("smplx");
     KeptStream kept;
     const auto taken = decoder->take(changed.dump(), kept);
     EXPECT_FALSE(taken) << changed.dump().substr(0, 200);

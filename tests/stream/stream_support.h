@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +18,17 @@
 #include "retarget/robot.h"
 
 namespace retarget {
+
+inline const StreamFormat& format_of(const std::string& name) {
+  return *find_stream_format(name).value();
+}
+inline std::unique_ptr<Decoder> stream_decoder(const std::string& format,
+                                               const StreamAddress& from = {}) {
+  return format_of(format).decoder(from);
+}
+inline std::unique_ptr<Encoder> stream_encoder(const std::string& format) {
+  return format_of(format).encoder();
+}
 
 class KeptStream final : public StreamSink {
  public:

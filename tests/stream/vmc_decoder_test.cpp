@@ -98,7 +98,7 @@ std::vector<double> followed_bones(const std::vector<VmcBone>& bones, bool bundl
   std::vector<double> last;
   *frames = 0;
   LivePipeline pipeline(
-      set_up_robot(robot, options.run).value(), options, make_vmc_decoder({}),
+      set_up_robot(robot, options.run).value(), options, stream_decoder("vmc"),
       [&](const RobotFrame& frame) {
         ++*frames;
         last.assign(frame.qpos.begin(), frame.qpos.end());
@@ -137,7 +137,7 @@ TEST(Vmc, LeftArmDrivesTheLeftArm) {
 }
 
 TEST(Vmc, RejectsMalformedPackets) {
-  const auto decoder = make_vmc_decoder({});
+  const auto decoder = stream_decoder("vmc");
   class Nothing final : public StreamSink {
     void take_skeleton(Clip, bool) override { ADD_FAILURE(); }
     void take_frame(const StreamFrame&) override { ADD_FAILURE(); }

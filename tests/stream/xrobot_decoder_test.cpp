@@ -117,7 +117,7 @@ Json client_object(const std::vector<Pose>& poses, std::int64_t nanoseconds) {
 
 TEST(Xrobot, PosesFollowTheJointOrder) {
   const std::vector<Pose> poses = tracked_poses();
-  const auto decoder = make_xrobot_decoder({});
+  const auto decoder = stream_decoder("xrobot");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(line_of(poses, 12.5).dump(), kept));
   ASSERT_TRUE(decoder->take(line_of(poses, 12.6).dump(), kept));
@@ -151,7 +151,7 @@ TEST(Xrobot, ReadsTheClientsObjects) {
   const std::vector<std::pair<Json, double>> lines = {
       {client, 7.25}, {of_body, 8.0}, {service, 7.25}};
   for (const auto& [line, time] : lines) {
-    const auto decoder = make_xrobot_decoder({});
+    const auto decoder = stream_decoder("xrobot");
     KeptStream kept;
     const auto taken = decoder->take(line.dump(), kept);
     ASSERT_TRUE(taken) << describe(taken.error());
@@ -161,7 +161,7 @@ TEST(Xrobot, ReadsTheClientsObjects) {
     for (std::size_t i = 0; i < 24; ++i) EXPECT_LT(distance(world[i], poses[i]), 1e-7) << i;
   }
   // Without a time, the arrival time is used.
-  const auto decoder = make_xrobot_decoder({});
+  const auto decoder = stream_decoder("xrobot");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(Json{{"joints", rows(poses)}}.dump(), kept));
   EXPECT_TRUE(std::isnan(kept.frames.at(0).time));
@@ -174,7 +174,7 @@ TEST(Xrobot, LeftArmDrivesTheLeftArm) {
   std::vector<double> last;
   std::string told;
   LivePipeline pipeline(
-      set_up_robot(robot, options.run).value(), options, make_xrobot_decoder({}),
+      set_up_robot(robot, options.run).value(), options, stream_decoder("xrobot"),
       [&](const RobotFrame& frame) { last.assign(frame.qpos.begin(), frame.qpos.end()); },
       [&](std::string_view, std::string_view text) { told += std::string(text) + "\n"; });
   for (int frame = 0; frame < 120; ++frame) {
@@ -190,7 +190,7 @@ TEST(Xrobot, LeftArmDrivesTheLeftArm) {
 
 TEST(Xrobot, RejectsFramesWithoutABody) {
   const std::vector<Pose> poses = tracked_poses();
-  const auto decoder = make_xrobot_decoder({});
+  const auto decoder = stream_decoder("xrobot");
   KeptStream kept;
   const auto refusal = [&](const Json& line) {
     const auto taken = decoder->take(line.dump(), kept);

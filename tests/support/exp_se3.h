@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <random>
 
 #include "base/math/se3.h"
 #include "retarget/so3.h"
@@ -25,5 +26,21 @@ inline Pose exp_se3(const Vector6d& twist) {
   }
   return {exp_so3(w), V * twist.head<3>()};
 }
+
+/// Random twists, the same in every run.
+class RandomTwists {
+ public:
+  /// A twist with this angle of rotation, rad.
+  Vector6d next(double angle) {
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = uniform_(engine_);
+    twist.tail<3>() *= angle / twist.tail<3>().norm();
+    return twist;
+  }
+
+ private:
+  std::mt19937 engine_{7};
+  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
+};
 
 }  // namespace retarget

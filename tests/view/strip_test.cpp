@@ -8,6 +8,7 @@
 #include <string>
 
 #include "retarget/appearance.h"
+#include "support/still_human.h"
 #include "support/test_robots.h"
 #include "view/figure.h"
 
@@ -49,19 +50,11 @@ RobotClip clip_of(const char* mjcf, int frames) {
 }
 
 HumanClip standing_human(int frames) {
-  HumanClip human;
-  human.frame_count = frames;
-  human.world_from_bone.resize(static_cast<std::size_t>(frames));
-  const auto put = [&](std::string_view name, const Eigen::Vector3d& place) {
-    const Bone bone = bone_from_name(name).value();
-    human.sources[bone] = name;
-    for (HumanPose& frame : human.world_from_bone) frame[bone].translation = place;
-  };
-  put("Hips", {5.0, 3.0, 1.0});
-  put("LeftUpLeg", {5.0, 3.1, 1.0});
-  put("LeftFoot", {5.0, 3.1, 0.1});
-  put("Head", {5.0, 3.0, 1.6});
-  return human;
+  return still_human({{"Hips", {5.0, 3.0, 1.0}},
+                      {"LeftUpLeg", {5.0, 3.1, 1.0}},
+                      {"LeftFoot", {5.0, 3.1, 0.1}},
+                      {"Head", {5.0, 3.0, 1.6}}},
+                     frames);
 }
 
 TEST(Strip, HasTheRequestedNumberOfPoses) {

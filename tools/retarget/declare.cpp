@@ -35,11 +35,6 @@ void declare_measuring(CLI::App& app, const OptionTable& own, MeasureArguments& 
   const OptionTable reading = without_rows_of(of_run, reading_table(arguments.reading));
   declare(*command, of_run);
   declare(*command, reading);
-  // Here, the option that convert calls --source-quat keeps its old name.
-  Option quaternion = *find_option(reading, "source-quat");
-  quaternion.name = "csv-quat";
-  declare(*command, {quaternion});
-  command->get_option("--csv-quat")->group("");
   declare(*command, own);
   describe_as(*command, "--bvh", "Source of the motions");
   describe_source(*command);

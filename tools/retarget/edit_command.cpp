@@ -297,10 +297,10 @@ Result<void> edit(const EditArguments& options, Console& console) {
   if (options.edit >= Edit::kResample && options.edit <= Edit::kLoop) {
     console.line("result", summary(**clip));
   }
-  RETARGET_TRY(
-      is_glb_name(options.output)
-          ? save_human_glb(options.output, **clip, human_options(options), options.common, console)
-          : save_bvh(options.output, **clip));
+  RETARGET_TRY(is_glb_name(options.output)
+                   ? write_human_glb(options.output, **clip, human_options(options),
+                                     DataFolder{options.common.data_dir}, console)
+                   : save_bvh(options.output, **clip));
   console.line("wrote", options.output == "-" ? "standard output" : options.output);
   return {};
 }

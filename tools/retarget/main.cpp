@@ -19,7 +19,6 @@
 #include "declare_table.h"
 #include "generate.h"
 #include "help_format.h"
-#include "outer_commands.h"
 #include "retarget/error.h"
 #include "retarget/version.h"
 #include "usage_errors.h"
@@ -129,11 +128,11 @@ int main_with(const std::vector<std::string>& given) {
 
   Commands commands;
   commands.add(app, &add_run_command, &run);
-  add_batch(app, commands);
+  commands.add(app, &add_batch_command, &batch);
   commands.add(app, &add_inspect_command, &inspect);
   commands.add(app, &add_contacts_command, &contacts);
   commands.add(app, &add_scene_from_motion_command, &find_scene);
-  add_edit(app, commands);
+  commands.add(app, &add_edit_command, &edit);
   commands.add(app, &add_evaluate_command, &evaluate);
   commands.add(app, &add_convert_command, &convert);
   commands.add(app, &add_compare_command, &compare);
@@ -141,8 +140,8 @@ int main_with(const std::vector<std::string>& given) {
   commands.add(app, &add_simulate_command, &simulate);
   commands.add(app, &add_verify_command, &verify);
   commands.add(app, &add_view_command, &view);
-  add_live(app, commands);
-  add_robots(app, commands);
+  commands.add(app, &add_live_command, &live);
+  commands.add(app, &add_robots_command, &robots);
 
   app.add_subcommand("help", "Help for a command: retarget help edit path");
   Generated generated;

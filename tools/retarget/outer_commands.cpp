@@ -8,7 +8,7 @@
 
 #include "argument_tables.h"
 #include "arguments.h"
-#include "commands.h"
+#include "declare.h"
 #include "declare_table.h"
 #include "edit_arguments.h"
 #include "retarget/batch.h"
@@ -138,6 +138,8 @@ OptionTable live_command_table(LiveArguments& arguments) {
   return table;
 }
 
+}  // namespace
+
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
   CLI::App* command = app.add_subcommand("batch", "Retarget folders of clips (docs/batch.md)");
   declare(*command, {word("inputs", arguments.request.inputs, "IN...",
@@ -218,24 +220,6 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
               {.letter = "o"}),
        option("force", arguments.force, kOutputGroup, "", "Replace existing robots")});
   return command;
-}
-
-}  // namespace
-
-void add_batch(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_batch_command, &batch);
-}
-
-void add_edit(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_edit_command, &edit);
-}
-
-void add_live(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_live_command, &live);
-}
-
-void add_robots(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_robots_command, &robots);
 }
 
 OptionTable outer_option_table() {

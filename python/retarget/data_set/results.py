@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import binascii
-import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from retarget._errors import InputError
+from retarget._results import manifest_lines
 from retarget.data_set.manifest import manifest_parts, manifest_rows
 
 #: Figures that a result keeps (docs/quality.md).
@@ -67,7 +67,7 @@ def read_results(folder: Path) -> list[Result]:
     """
     results: dict[tuple[str, str], Result] = {}
     if (folder / "manifest.jsonl").is_file():
-        for line in _lines(folder / "manifest.jsonl"):
+        for line in manifest_lines(folder / "manifest.jsonl", "replace"):
             results[line.get("relative", ""), line.get("robot", "")] = _of_line(line)
     elif manifest_parts(folder):
         for row in manifest_rows(folder, _COLUMNS):
@@ -76,18 +76,6 @@ def read_results(folder: Path) -> list[Result]:
         raise InputError(f"{folder}: no manifest.jsonl and no manifest/part-*.parquet",
                          file=str(folder))
     return sorted(results.values(), key=lambda result: result.name)
-
-
-def _lines(file: Path) -> Iterator[dict[str, Any]]:
-    with file.open(encoding="utf-8", errors="replace", newline="\n") as lines:
-        for line in lines:
-            try:
-                entry = json.loads(line)
-            except ValueError:
-                # A truncated line of a killed batch.
-                continue
-            if isinstance(entry, dict):
-                yield entry
 
 
 def _of_line(line: Mapping[str, Any]) -> Result:

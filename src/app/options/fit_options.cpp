@@ -16,9 +16,8 @@ Option term(const char* name, bool& on, const char* help) {
 }
 
 Option number(const char* group, const char* name, double& value, const char* help,
-              double min = 0.0, double max = kMaxWeight, const char* former_name = "") {
-  return option(name, value,
-                {.group = group, .help = help, .min = min, .max = max, .former_name = former_name});
+              double min = 0.0, double max = kMaxWeight) {
+  return option(name, value, {.group = group, .help = help, .min = min, .max = max});
 }
 
 Option count(const char* name, int& value, const char* help, int min, int max) {
@@ -128,13 +127,12 @@ OptionTable motion_table(FitOptions& o) {
           "acceleration; 0: as for other joints",
           0.0, 10.0),
       number(kGroup, "soft_joint_speed", o.soft_joint_speed, "rad/s; faster joints are slowed down",
-             kAbove0, kMaxWeight, "speed_soft"),
+             kAbove0),
       number(kGroup, "speed_weight", o.speed_weight, "Per rad/s above soft_joint_speed"),
       number(kGroup, "max_joint_speed", o.max_joint_speed,
-             "rad/s; upper bound for all joints, in addition to their own limits", kAbove0,
-             kMaxWeight, "speed_most"),
+             "rad/s; upper bound for all joints, in addition to their own limits", kAbove0),
       number(kGroup, "max_joint_step", o.max_joint_step,
-             "rad; largest joint step between two frames", kAbove0, kMaxWeight, "largest_step")};
+             "rad; largest joint step between two frames", kAbove0)};
 }
 
 OptionTable dynamics_table(FitOptions& o) {
@@ -208,22 +206,14 @@ Result<FitOptions> parse_fit_options(std::string_view text, const std::string& f
   return options;
 }
 
-const std::vector<std::string>& fit_term_names() {
-  static const std::vector<std::string> names = [] {
-    FitOptions options;
-    return option_names(term_table(options));
-  }();
-  return names;
-}
-
 Result<void> set_terms(FitOptions& options, std::span<const std::string> names, bool on) {
   const OptionTable terms = term_table(options);
   for (const std::string& name : names) {
     const Option* row = find_option(terms, name);
     if (row == nullptr) {
-      return usage_failure(
-          "the fit has no term \"" + name + "\"" + did_you_mean(name, fit_term_names()),
-          "its terms are " + list_names(fit_term_names()));
+      const std::vector<std::string> known = option_names(terms);
+      return usage_failure("the fit has no term \"" + name + "\"" + did_you_mean(name, known),
+                           "its terms are " + list_names(known));
     }
     TRY(row->set(on));
   }

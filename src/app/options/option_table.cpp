@@ -95,9 +95,7 @@ Result<OptionValue> option_value(const Option& row, const std::string& text) {
 }
 
 const Option* find_option(const OptionTable& table, std::string_view name) {
-  const auto found = std::ranges::find_if(table, [&](const Option& row) {
-    return row.name == name || (!name.empty() && row.info.former_name == name);
-  });
+  const auto found = std::ranges::find(table, name, &Option::name);
   return found == table.end() ? nullptr : &*found;
 }
 

@@ -79,10 +79,6 @@ Result<void> read_options(const Json& json, const OptionTable& table, const std:
                              faults.suggestion(name, option_names(table))));
       continue;
     }
-    if (name != row->name && json.contains(row->name)) {
-      faults.add(fmt::format("\"{}\" and its former name \"{}\" are both given", row->name, name));
-      continue;
-    }
     auto value = value_of(given, row->get());
     if (value && std::holds_alternative<std::string>(*value)) value = name_from(json, name);
     // A value that stands for "not given" may be out of range.

@@ -243,14 +243,6 @@ OptionTable part_table(PartOptions& options) {
                  {.uses = kJudged})};
 }
 
-Option base_row(RobotBase& base) {
-  return option(
-      "base", base, kRobotGroup, "",
-      "fixed: the base does not move (a stand, a wheeled platform); only the limbs attached to it "
-      "follow the human; feet and floor are ignored (default: from the robot's profile)",
-      {.uses = kRobot | OptionUse::kShowBatch});
-}
-
 OptionTable robot_table(RobotChoice& options) {
   return {option("robot", options.name, kRobotGroup, "NAME", "Robot name or robot folder",
                  {.basic = true, .uses = kRobot}),
@@ -264,7 +256,11 @@ OptionTable robot_table(RobotChoice& options) {
                  "Variant of the robot with fewer joints: 29, 27, 23 or 23-pbhc for the G1 "
                  "(default: all joints)",
                  {.uses = kRobot}),
-          base_row(options.base),
+          option("base", options.base, kRobotGroup, "",
+                 "fixed: the base does not move (a stand, a wheeled platform); only the limbs "
+                 "attached to it follow the human; feet and floor are ignored (default: from the "
+                 "robot's profile)",
+                 {.uses = kRobot | OptionUse::kShowBatch}),
           option("follow", options.follow, kRobotGroup, "",
                  "arms: only the arms follow the human's arms, relative to the chest; base, legs, "
                  "trunk and head keep the standing pose, for another controller",

@@ -90,34 +90,38 @@ void name_other_limits(const std::string& motion, const RecordedRun& recorded, c
 
 }  // namespace
 
-void choose_part(const std::vector<std::string>& motions, Run& run, RunRequest& of_source,
+RecordedMotions recorded_motions(const std::vector<std::string>& files) {
+  RecordedMotions motions;
+  for (const std::string& file : files) motions.push_back({file, recorded_run(file)});
+  return motions;
+}
+
+void choose_part(const RecordedMotions& motions, Run& run, RunRequest& of_source,
                  Observer& observer) {
   if (motions.empty()) return;
   std::vector<std::string> shown;
-  std::optional<RecordedRun> first;
-  for (const std::string& motion : motions) {
-    auto recorded = recorded_run(motion);
+  for (const auto& [file, recorded] : motions) {
     if (recorded) {
-      name_options_left_out(motion, *recorded, run, observer);
-      name_other_limits(motion, *recorded, run, observer);
+      name_options_left_out(file, *recorded, run, observer);
+      name_other_limits(file, *recorded, run, observer);
     }
     shown.push_back(recorded ? shown_text(*recorded) : std::string());
-    if (&motion == &motions.front()) first = std::move(recorded);
   }
   if (has_part(run.options.part)) return;
   if (std::ranges::any_of(shown, [&](const std::string& each) { return each != shown.front(); })) {
     observer.warn({{0, 0,
                     "the sidecars of the motions record different parts of the source; it is used "
                     "as the options say"}},
-                  motions.front());
+                  motions.front().file);
     return;
   }
   if (shown.front().empty()) return;
+  const auto& [file, first] = motions.front();
   if (!is_same_source(*first, run.motion)) {
     observer.warn({{0, 0,
                     "the sidecar records " + shown.front() +
                         " of another source, which is not applied to " + run.motion}},
-                  motions.front());
+                  file);
     return;
   }
   const PartOptions& part = first->run.options.part;

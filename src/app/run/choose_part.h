@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,11 +9,20 @@
 
 namespace retarget {
 
+/// A motion file and what its sidecar records; see recorded_run.
+struct RecordedMotion {
+  std::string file;
+  std::optional<RecordedRun> recorded;
+};
+using RecordedMotions = std::vector<RecordedMotion>;
+
+[[nodiscard]] RecordedMotions recorded_motions(const std::vector<std::string>& files);
+
 /// Sets the part of the source and its mirroring as the sidecars of motions record them, unless the
 /// options give a part. Names recorded options that the comparison needs and that are not given.
 /// @param run        its motion is the source.
 /// @param of_source  receives the mirroring.
-void choose_part(const std::vector<std::string>& motions, Run& run, RunRequest& of_source,
+void choose_part(const RecordedMotions& motions, Run& run, RunRequest& of_source,
                  Observer& observer);
 
 }  // namespace retarget

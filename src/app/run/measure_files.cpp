@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/plan/set_up_robot.h"
 #include "app/run/choose_part.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -21,32 +22,32 @@ namespace fs = std::filesystem;
 
 // Scales the time of the source as recorded in the sidecar of the motions, unless an option gives
 // a factor. Without a record, `auto` is decided again.
-Result<void> choose_time_scale(const std::vector<std::string>& motions, Plan& plan,
-                               Observer& observer) {
+Result<void> choose_time_scale(const RecordedMotions& motions, Plan& plan, Observer& observer) {
   if (plan.time_scale || motions.empty()) return {};
-  plan.time_scale = recorded_time_scale(motions.front());
+  const auto& [file, recorded] = motions.front();
+  if (recorded) plan.time_scale = recorded->time_scale;
   if (plan.time_scale) {
     observer.line("slowed", number_text(plan.time_scale->longer, 2) +
-                                " s longer, as the sidecar of " + motions.front() + " records it");
+                                " s longer, as the sidecar of " + file + " records it");
     return {};
   }
   TRY_ASSIGN(plan, decide_time_scale(std::move(plan)));
   return {};
 }
 
-Result<void> add_source(const MeasureRequest& request, Run run, LoadedRobot robot,
-                        Measures& measures, Observer& observer) {
-  RunRequest of_source = request.of_source;
-  choose_part(request.motions, run, of_source, observer);
+Result<void> add_source(const RecordedMotions& motions, Run run, RunRequest of_source,
+                        LoadedRobot robot, Measures& measures, Observer& observer) {
+  choose_part(motions, run, of_source, observer);
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
   // Joints that do not follow the human have no range.
   measures.limits = setup.limits;
   TRY_ASSIGN(Plan plan, read_and_plan(run, of_source, setup, observer));
-  TRY(choose_time_scale(request.motions, plan, observer));
+  TRY(choose_time_scale(motions, plan, observer));
   plan.config = measured_config(plan, setup);
   // The method that solved the motion determines the targets of its trunk.
-  const auto recorded = recorded_run(request.motions.empty() ? "" : request.motions.front());
-  if (recorded) plan.options.solve.method = recorded->run.options.solve.method;
+  if (!motions.empty() && motions.front().recorded) {
+    plan.options.solve.method = motions.front().recorded->run.options.solve.method;
+  }
   TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
   measures.rate = measures.source->rate;
   return {};
@@ -96,18 +97,15 @@ bool is_same_variant(const RobotChoice& a, const RobotChoice& b) {
 
 // Takes the variant, the base and the part that follows the human from the sidecars of all motions,
 // if these agree and the request leaves them open.
-RobotChoice recorded_choice(const std::vector<std::string>& motions, RobotChoice choice) {
-  std::optional<RobotChoice> common;
-  for (const std::string& motion : motions) {
-    auto recorded = recorded_run(motion);
-    if (!recorded) return choice;
-    if (common && !is_same_variant(*common, recorded->run.robot)) return choice;
-    common = std::move(recorded->run.robot);
+RobotChoice recorded_choice(const RecordedMotions& motions, RobotChoice choice) {
+  if (motions.empty() || !motions.front().recorded) return choice;
+  const RobotChoice& first = motions.front().recorded->run.robot;
+  for (const auto& [file, recorded] : motions) {
+    if (!recorded || !is_same_variant(first, recorded->run.robot)) return choice;
   }
-  if (!common) return choice;
-  if (choice.variant.empty()) choice.variant = common->variant;
-  if (choice.base == RobotBase::kAuto) choice.base = common->base;
-  if (choice.follow == Follow::kAll) choice.follow = common->follow;
+  if (choice.variant.empty()) choice.variant = first.variant;
+  if (choice.base == RobotBase::kAuto) choice.base = first.base;
+  if (choice.follow == Follow::kAll) choice.follow = first.follow;
   return choice;
 }
 
@@ -128,17 +126,19 @@ Result<void> add_scene(const SolveOptions& solve, Measures& measures) {
 }
 
 // Scales the travel of the source as the sidecars of the motions record it, unless options say how.
-void choose_travel(const std::vector<std::string>& motions, SolveOptions& solve,
-                   Observer& observer) {
+void choose_travel(const RecordedMotions& motions, SolveOptions& solve, Observer& observer) {
   if (motions.empty() || solve.purpose || !solve.travel.empty()) return;
-  const std::string travel = recorded_travel(motions.front());
+  const auto travel_of = [](const RecordedMotion& motion) {
+    return motion.recorded ? chosen_travel(motion.recorded->run.options.solve) : std::string();
+  };
+  const std::string travel = travel_of(motions.front());
   const bool agree = std::ranges::all_of(
-      motions, [&](const std::string& motion) { return recorded_travel(motion) == travel; });
+      motions, [&](const RecordedMotion& motion) { return travel_of(motion) == travel; });
   if (!agree) {
     observer.warn({{0, 0,
                     "the sidecars of the motions record different travel; the source is used "
                     "unchanged, unless " OPTION("travel") " is given"}},
-                  motions.front());
+                  motions.front().file);
     return;
   }
   if (travel.empty()) return;
@@ -174,18 +174,22 @@ Result<RobotClip> at_rate_of_source(RobotClip clip, const Measures& measures,
 }
 
 // The scene of a motion from a file is the given one, scaled.
-void warn_of_moved_scene(const MeasureRequest& request, Observer& observer) {
-  const SolveOptions& solve = request.run.options.solve;
+void warn_of_moved_scene(const RecordedMotions& motions, const SolveOptions& solve,
+                         Observer& observer) {
   if (solve.scene.empty() && solve.terrain.empty()) return;
-  for (const std::string& motion : request.motions) {
-    const std::string move = recorded_scene_move(motion);
-    if (move.empty()) continue;
+  for (const auto& [file, recorded] : motions) {
+    if (!recorded) continue;
+    const Options& options = recorded->run.options;
+    const bool is_fitted = options.solve.object_motion == ObjectMotion::kFitted;
+    if (!is_fitted && !options.save.normalize_start) continue;
+    const std::string move = options.save.normalize_start ? OPTION("normalize-start")
+                                                          : OPTION("object-motion") " fitted";
     observer.warn(
         {{0, 0,
           "the sidecar records " + move +
               ", but the scene or terrain is measured at its original position; the report "
               "of the run has the correct metrics"}},
-        motion);
+        file);
   }
 }
 
@@ -203,7 +207,8 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   TRY_ASSIGN(measures.gates, changed_gates(request.gates, data_folder));
   measures.dynamics = request.dynamics || measures.gates.need_dynamics();
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, request.data_folder, observer));
-  RobotChoice choice = recorded_choice(request.motions, run.robot);
+  const RecordedMotions motions = recorded_motions(request.motions);
+  RobotChoice choice = recorded_choice(motions, run.robot);
   const auto& variants = robot.robot->profile().variants;
   // The robot given may not be the recorded one.
   if (std::ranges::find(variants, choice.variant, &RobotVariant::name) == variants.end()) {
@@ -223,9 +228,9 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   TRY(take_rate_of_first(request, measures, run));
   if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
   if (!run.motion.empty()) {
-    choose_travel(request.motions, run.options.solve, observer);
-    warn_of_moved_scene(request, observer);
-    TRY(add_source(request, run, std::move(robot), measures, observer));
+    choose_travel(motions, run.options.solve, observer);
+    warn_of_moved_scene(motions, run.options.solve, observer);
+    TRY(add_source(motions, run, request.of_source, std::move(robot), measures, observer));
   } else {
     TRY(add_scene(run.options.solve, measures));
     if (run.options.source.source_fps > 0.0) {

@@ -112,32 +112,17 @@ Result<SourceOptions> recorded_source(const std::string& path, SourceOptions opt
   return options;
 }
 
-std::string recorded_travel(const std::string& path) {
-  const auto sidecar = own_sidecar(path);
-  return sidecar ? chosen_travel(sidecar->run.options.solve) : std::string();
-}
-
-std::optional<TimeScale> recorded_time_scale(const std::string& path) {
-  const auto sidecar = own_sidecar(path);
-  return sidecar ? sidecar->time_scale : std::nullopt;
-}
-
 std::optional<RecordedRun> recorded_run(const std::string& path) {
   auto sidecar = own_sidecar(path);
   if (!sidecar) return std::nullopt;
-  RecordedRun recorded{std::move(sidecar->run), sidecar->mirror, {}, std::move(sidecar->limits)};
+  RecordedRun recorded{std::move(sidecar->run),
+                       sidecar->mirror,
+                       {},
+                       std::move(sidecar->limits),
+                       std::move(sidecar->time_scale)};
   const auto source = std::ranges::find(sidecar->files, "motion", &ReadFile::role);
   if (source != sidecar->files.end()) recorded.source_hash = source->hash;
   return recorded;
-}
-
-std::string recorded_scene_move(const std::string& path) {
-  const auto sidecar = own_sidecar(path);
-  if (!sidecar) return {};
-  const Options& options = sidecar->run.options;
-  if (options.save.normalize_start) return OPTION("normalize-start");
-  return options.solve.object_motion == ObjectMotion::kFitted ? OPTION("object-motion") " fitted"
-                                                              : "";
 }
 
 Result<RobotMotion> load_recorded_motion(const std::string& path,

@@ -143,12 +143,8 @@ Json found_json(const Plan& plan) {
 
 Json build_json() {
   Json build = Json::array();
-  const std::string facts = version_text();
-  for (std::size_t begin = 0; begin < facts.size();) {
-    const std::size_t end = std::min(facts.find('\n', begin), facts.size());
-    build.push_back(facts.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  const std::string text = version_text();
+  for (std::string_view facts = text; !facts.empty();) build.push_back(take_until(facts, '\n'));
   return build;
 }
 
@@ -277,9 +273,6 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
     sidecar.time_scale->stretches = stretches_from(*pace, "stretches");
     sidecar.time_scale->left = stretches_from(*pace, "not_slowed");
   }
-  // Sidecars from before these options existed describe runs that used all frames, uncleaned.
-  sidecar.run.options.part.lead_in = LeadIn::kKeep;
-  sidecar.run.options.human.clean = CleanRule::kOff;
   auto options =
       read_options(json["options"], run_table(sidecar.run), file, "the sidecar's options");
   if (!options) {

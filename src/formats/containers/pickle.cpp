@@ -74,7 +74,7 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
     stream.next_out = reinterpret_cast<Bytef*>(unpacked.data() + used);
     stream.avail_out = static_cast<uInt>(kPiece);
     state = inflate(&stream, Z_NO_FLUSH);
-    unpacked.resize(unpacked.size() - stream.avail_out);
+    unpacked.resize(used + kPiece - stream.avail_out);
   }
   inflateEnd(&stream);
   if (unpacked.size() > max) {

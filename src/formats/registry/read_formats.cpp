@@ -160,8 +160,7 @@ Result<HumanFile> read_bvh_file(std::string_view bytes, const std::string& file,
 
 Result<HumanFile> read_array_file(std::string_view bytes, const std::string& file,
                                   const HumanReadOptions& options) {
-  SmplReadOptions read;
-  read.fingers = true;
+  ArrayReadOptions read;
   read.source_fps = given_rate(options.source);
   read.max_clip_bytes = options.max_bytes;
   std::optional<SmplBody> body;

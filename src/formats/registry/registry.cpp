@@ -193,17 +193,6 @@ std::string_view format_name(MotionFormat format) {
   return robot_format(format).name;
 }
 
-std::vector<std::string> format_names() {
-  return enum_names<MotionFormat>();
-}
-
-Result<MotionFormat> format_from_name(std::string_view name) {
-  if (const auto format = enum_from_name<MotionFormat>(name)) return *format;
-  const auto names = format_names();
-  return usage_failure(fmt::format("there is no format \"{}\"{}", name, did_you_mean(name, names)),
-                       "the formats are " + list_names(names));
-}
-
 std::string_view format_ending(MotionFormat format) {
   std::string_view endings = robot_format(format).family.endings;
   return take_until(endings, ' ');

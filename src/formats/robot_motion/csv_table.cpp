@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -21,6 +22,19 @@ constexpr double kMaxTime = 1e20;
 bool begins_as_number(std::string_view text) {
   const std::size_t first = text.find_first_not_of("+-.");
   return first != std::string_view::npos && text[first] >= '0' && text[first] <= '9';
+}
+
+// Parses a whole cell as a number.
+std::optional<double> number_of_cell(std::string_view text) {
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    // Reject `+-`.
+    if (text.starts_with('-')) return std::nullopt;
+  }
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 class CsvTableReader {
@@ -185,18 +199,6 @@ void split_cells(std::string_view line, std::vector<CsvCell>& cells) {
   }
   // A line that ends with a comma has an empty last cell.
   if (!cells.empty()) cells.push_back({{}, at});
-}
-
-std::optional<double> number_of_cell(std::string_view text) {
-  if (text.starts_with('+')) {
-    text.remove_prefix(1);
-    // Reject `+-`.
-    if (text.starts_with('-')) return std::nullopt;
-  }
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 }  // namespace retarget

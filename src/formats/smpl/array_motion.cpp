@@ -78,16 +78,16 @@ Failure no_motion(const NpyArray& array, const std::string& file_name) {
 }  // namespace
 
 Result<MotionFile> open_array_motion(std::string_view bytes, const std::string& file_name,
-                                     const OpenOptions& options) {
+                                     const ArrayReadOptions& options) {
   const Result<NpyHeader> header = take_npy_header(bytes);
   if (!header) return at_file(header.error(), file_name);
   // numpy.save pickles a dictionary, as MDM does with its results.
   if (header->type.ends_with('O')) return open_pickled_motion(bytes, file_name, options);
-  const Result<NpyArray> array = read_npy_rest(*header, bytes, options.max_number_bytes);
+  const Result<NpyArray> array = read_npy_rest(*header, bytes, options.max_clip_bytes);
   if (!array) return at_file(array.error(), file_name);
   const std::size_t dimensions = array->shape.size();
   const bool may_be_places = dimensions == 3 || dimensions == 4;
-  if (array->is_number() && (may_be_places || (dimensions == 2 && options.has_names))) {
+  if (array->is_number() && (may_be_places || (dimensions == 2 && !options.joint_names.empty()))) {
     auto places = std::make_unique<MadeArrays>(file_name);
     places->add("positions", *array);
     return MotionFile{std::move(places), {}, {}, MotionContent::kJoints};

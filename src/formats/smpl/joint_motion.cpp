@@ -77,7 +77,7 @@ std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
 
 class PlacesReader {
  public:
-  PlacesReader(const ArraySource& file, const JointReadOptions& options)
+  PlacesReader(const ArraySource& file, const ArrayReadOptions& options)
       : file_(file), options_(options), name_(places_of(file)) {}
 
   Result<JointMotion> read() {
@@ -313,7 +313,7 @@ class PlacesReader {
   }
 
   const ArraySource& file_;
-  const JointReadOptions& options_;
+  const ArrayReadOptions& options_;
   const char* name_;
   NpyArray array_;
   PlacesLayout layout_;
@@ -332,7 +332,7 @@ bool is_kimodo(const ArraySource& file) {
   return file.has(kOfKimodo) && file.has(kRotations);
 }
 
-Result<JointMotion> read_joint_motion(const ArraySource& file, const JointReadOptions& options) {
+Result<JointMotion> read_joint_motion(const ArraySource& file, const ArrayReadOptions& options) {
   return PlacesReader(file, options).read();
 }
 

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "formats/containers/array_source.h"
+#include "formats/smpl/motion_arrays.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 
@@ -39,13 +39,6 @@ struct JointMotion {
   }
 };
 
-struct JointReadOptions {
-  std::optional<double> source_fps;      ///< Overrides the file's rate, Hz.
-  std::vector<std::string> joint_names;  ///< Overrides the file's names; empty: no override.
-  std::string take;  ///< One of several motions, as a number from 1; empty: the only one.
-  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
-};
-
 /// Whether the file has an array of joint positions under a known name.
 [[nodiscard]] bool has_joint_positions(const ArraySource& file);
 
@@ -61,7 +54,7 @@ struct JointReadOptions {
 /// Errors: other shapes, no frames, numbers that are not finite, no known rate, several motions
 /// without a choice, a wrong number of names.
 [[nodiscard]] Result<JointMotion> read_joint_motion(const ArraySource& file,
-                                                    const JointReadOptions& options);
+                                                    const ArrayReadOptions& options);
 
 /// A joint order in which some program writes joint positions.
 struct JointOrder {

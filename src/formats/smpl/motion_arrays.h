@@ -116,14 +116,20 @@ struct MotionFile {
   MotionKind kind;
   std::vector<Warning> warnings;
   MotionContent content = MotionContent::kSmpl;
-  bool took = false;  ///< The motion is one of several, selected by OpenOptions::take.
+  bool took = false;  ///< The motion is one of several, selected by ArrayReadOptions::take.
 };
 
-struct OpenOptions {
-  /// Limit on the memory of an array after conversion to double.
-  std::size_t max_number_bytes = std::numeric_limits<std::size_t>::max();
+/// Options for reading a file of arrays.
+struct ArrayReadOptions {
+  /// Frame rate in Hz that overrides the file's, which may then be missing or wrong.
+  std::optional<double> source_fps;
+  /// Limit in bytes on the memory of the clip, and of an array after conversion to double.
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
+  /// The user's body model; nullptr: the generic body. Must outlive the call.
+  const SmplBody* body = nullptr;
   std::string take;  ///< One of several motions, by name or number from 1; empty: the only one.
-  bool has_names = false;  ///< Joint names are given, so a 2-D table may hold joint positions.
+  /// Joint names for position data, also in a 2-D table; empty: as in the file.
+  std::vector<std::string> joint_names;
 };
 
 /// Opens a file and detects its type by content: NPZ; PyTorch archives (GVHMR results, InterMimic
@@ -135,17 +141,17 @@ struct OpenOptions {
 /// @param bytes  the whole file; must outlive the result.
 [[nodiscard]] Result<MotionFile> open_motion_file(std::string_view bytes,
                                                   const std::string& file_name,
-                                                  const OpenOptions& options = {});
+                                                  const ArrayReadOptions& options = {});
 
 /// open_motion_file for a single NumPy array. @param bytes  begin with NumPy's magic number
 [[nodiscard]] Result<MotionFile> open_array_motion(std::string_view bytes,
                                                    const std::string& file_name,
-                                                   const OpenOptions& options);
+                                                   const ArrayReadOptions& options);
 
 /// open_motion_file for a pickle. @param bytes  begin like a pickle
 [[nodiscard]] Result<MotionFile> open_pickled_motion(std::string_view bytes,
                                                      const std::string& file_name,
-                                                     const OpenOptions& options);
+                                                     const ArrayReadOptions& options);
 
 /// Number of columns of InterMimic's motions.
 inline constexpr std::size_t kInterMimicColumns = 591;

@@ -205,9 +205,9 @@ MotionKind gvhmr_kind() {
 }
 
 Result<MotionFile> open_torch(std::string_view bytes, const std::string& file_name,
-                              const OpenOptions& options) {
+                              const ArrayReadOptions& options) {
   TorchReadOptions read;
-  read.max_number_bytes = options.max_number_bytes;
+  read.max_number_bytes = options.max_clip_bytes;
   TRY_ASSIGN(TorchFile torch, TorchFile::open(bytes, file_name, read));
   const PickleDocument& document = torch.document();
   const PickleNode& root = document.root();
@@ -239,7 +239,7 @@ Result<MotionFile> open_torch(std::string_view bytes, const std::string& file_na
 }  // namespace
 
 Result<MotionFile> open_pickled_motion(std::string_view bytes, const std::string& file_name,
-                                       const OpenOptions& options) {
+                                       const ArrayReadOptions& options) {
   if (is_old_torch_file(bytes)) {
     return input_failure(file_name,
                          "the file has PyTorch's format before 1.6, which is not supported",
@@ -254,13 +254,13 @@ Result<MotionFile> open_pickled_motion(std::string_view bytes, const std::string
 }
 
 Result<MotionFile> open_motion_file(std::string_view bytes, const std::string& file_name,
-                                    const OpenOptions& options) {
+                                    const ArrayReadOptions& options) {
   const FileKind kind = file_type(bytes).kind;
   if (kind == FileKind::kTorch) return open_torch(bytes, file_name, options);
   if (kind == FileKind::kNpy) return open_array_motion(bytes, file_name, options);
   if (kind == FileKind::kPickle) return open_pickled_motion(bytes, file_name, options);
   NpzReadOptions read;
-  read.max_number_bytes = options.max_number_bytes;
+  read.max_number_bytes = options.max_clip_bytes;
   TRY_ASSIGN(NpzFile file, NpzFile::open(bytes, file_name, read));
   return motion_file_of(std::make_unique<NpzArrays>(std::move(file)));
 }

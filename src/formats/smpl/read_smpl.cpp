@@ -55,7 +55,7 @@ SmplRestBody model_rest_body(const SmplBody& body, MotionArrays& arrays) {
 // Chooses the user's model, the file's own bones or the generic body, in this order. Without betas
 // the model's shape is arbitrary, so the file's own bones take precedence.
 Result<SmplRestBody> rest_body_of(const ArraySource& file, MotionArrays& arrays,
-                                  const SmplReadOptions& options) {
+                                  const ArrayReadOptions& options) {
   const bool has_own = arrays.body.has_value();
   if (options.body != nullptr && !(has_own && arrays.betas.empty())) {
     return model_rest_body(*options.body, arrays);
@@ -86,11 +86,10 @@ Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body, bool y_is_up)
   return clip;
 }
 
-Result<SmplMotion> read_smpl_motion(const MotionFile& opened, const SmplReadOptions& options) {
+Result<SmplMotion> read_smpl_motion(const MotionFile& opened, const ArrayReadOptions& options) {
   const ArraySource& file = *opened.arrays;
   TRY_ASSIGN(auto arrays, read_motion_arrays(file, opened.kind, options.source_fps));
   arrays.warnings.insert(arrays.warnings.end(), opened.warnings.begin(), opened.warnings.end());
-  if (!options.fingers) arrays.hand_rotations.clear();
   const bool own_body = arrays.body.has_value();
   TRY_ASSIGN(const auto body, rest_body_of(file, arrays, options));
   const std::size_t needed = static_cast<std::size_t>(arrays.frame_count) *
@@ -118,18 +117,15 @@ Result<SmplMotion> read_smpl_motion(const MotionFile& opened, const SmplReadOpti
 }
 
 Result<ArrayMotion> read_motion(std::string_view bytes, const std::string& file_name,
-                                const SmplReadOptions& options) {
-  TRY_ASSIGN(const auto opened, open_motion_file(bytes, file_name,
-                                                 {options.max_clip_bytes, options.take,
-                                                  !options.joint_names.empty()}));
+                                const ArrayReadOptions& options) {
+  TRY_ASSIGN(const auto opened, open_motion_file(bytes, file_name, options));
+  ArrayReadOptions of_motion = options;
+  if (opened.took) of_motion.take.clear();
   if (opened.content == MotionContent::kJoints) {
-    TRY_ASSIGN(auto motion,
-               read_joint_motion(*opened.arrays, {options.source_fps, options.joint_names,
-                                                  opened.took ? std::string() : options.take,
-                                                  options.max_clip_bytes}));
+    TRY_ASSIGN(auto motion, read_joint_motion(*opened.arrays, of_motion));
     return ArrayMotion(std::move(motion));
   }
-  if (!options.take.empty() && !opened.took && options.take != "1") {
+  if (!of_motion.take.empty() && of_motion.take != "1") {
     return opened.arrays->file_failure("the file has only one motion", "omit " OPTION("take"));
   }
   TRY_ASSIGN(auto motion, read_smpl_motion(opened, options));
@@ -138,15 +134,8 @@ Result<ArrayMotion> read_motion(std::string_view bytes, const std::string& file_
 
 }  // namespace
 
-Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
-                             const SmplReadOptions& options) {
-  TRY_ASSIGN(auto motion, read_array_motion(bytes, file_name, options));
-  if (auto* smpl = std::get_if<SmplMotion>(&motion)) return std::move(*smpl);
-  return input_failure(file_name, "expected an SMPL motion, found joint positions");
-}
-
 Result<ArrayMotion> read_array_motion(std::string_view bytes, const std::string& file_name,
-                                      const SmplReadOptions& options) {
+                                      const ArrayReadOptions& options) {
   if (!is_positive(options.source_fps)) {
     return usage_failure("the source frame rate must be a finite number above 0");
   }

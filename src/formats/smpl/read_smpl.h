@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,23 +12,6 @@
 #include "retarget/error.h"
 
 namespace retarget {
-
-struct SmplReadOptions {
-  /// Frame rate in Hz that overrides the file's, which may then be missing or wrong.
-  std::optional<double> source_fps;
-
-  /// Memory limit of the clip in bytes; a larger clip is an error.
-  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
-
-  /// The user's body model; nullptr: the generic body. Must outlive the call.
-  const SmplBody* body = nullptr;
-
-  /// Add fingers to the skeleton if the file has moving ones.
-  bool fingers = false;
-
-  std::string take;  ///< One of several motions, by name or number from 1; empty: the only one.
-  std::vector<std::string> joint_names;  ///< Joint names for position data; empty: as in the file.
-};
 
 /// A motion of an SMPL body.
 struct SmplMotion {
@@ -49,12 +30,16 @@ struct SmplMotion {
   std::optional<Eigen::Vector3d> up = {};  ///< Up axis by definition of the kind of file.
 };
 
-/// Reads an AMASS-like motion: an NPZ file with `trans` (F, 3) and either `root_orient` (F, 3) with
-/// `pose_body` (F, 63), or `poses` (F, W), where W is 66, 72 (SMPL), 156 (SMPL+H) or 165 (SMPL-X).
-/// Rotations are rotation vectors in radians; shape (F, W / 3, 3) is accepted as well. The pelvis
-/// is in columns 0 to 2, the body in 3 to 65. Hands are the last 90 columns of the two widest
-/// layouts, or `pose_hand` (F, 90), or `left_hand_pose` and `right_hand_pose` (F, 45). The face is
-/// dropped.
+/// Content of a file of arrays: an SMPL motion or joint positions.
+using ArrayMotion = std::variant<SmplMotion, JointMotion>;
+
+/// Reads a file by its content: joint positions with read_joint_motion, otherwise an AMASS-like
+/// motion: an NPZ file with `trans` (F, 3) and either `root_orient` (F, 3) with `pose_body` (F, 63),
+/// or `poses` (F, W), where W is 66, 72 (SMPL), 156 (SMPL+H) or 165 (SMPL-X). Rotations are rotation
+/// vectors in radians; shape (F, W / 3, 3) is accepted as well. The pelvis is in columns 0 to 2, the
+/// body in 3 to 65. Hands are the last 90 columns of the two widest layouts, or `pose_hand` (F, 90),
+/// or `left_hand_pose` and `right_hand_pose` (F, 45); if they move, the skeleton has fingers. The
+/// face is dropped.
 ///
 /// The frame rate is `mocap_framerate`, `mocap_frame_rate` or `fps`, a scalar or an array with one
 /// element. `betas` and `gender` (any text array) may be missing, with a warning.
@@ -74,15 +59,8 @@ struct SmplMotion {
 /// objects.
 /// @param bytes      the whole file.
 /// @param file_name  name given by the user, for messages.
-[[nodiscard]] Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
-                                           const SmplReadOptions& options = {});
-
-/// Content of a file of arrays: an SMPL motion or joint positions.
-using ArrayMotion = std::variant<SmplMotion, JointMotion>;
-
-/// Reads a file by its content with read_smpl or read_joint_motion.
 [[nodiscard]] Result<ArrayMotion> read_array_motion(std::string_view bytes,
                                                     const std::string& file_name,
-                                                    const SmplReadOptions& options = {});
+                                                    const ArrayReadOptions& options = {});
 
 }  // namespace retarget

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -19,8 +20,10 @@ namespace {
 
 constexpr std::size_t kMaxHeader = std::size_t{1} << 18;  // bytes
 
-Failure bad_row(std::string message) {
-  return input_failure({}, std::move(message));
+// A rate of rows in frames per second.
+std::optional<double> sender_rate(const std::string& value) {
+  const auto fps = parse_number<double>(value);
+  return fps && *fps > 0.0 && *fps < 1e4 ? fps : std::nullopt;
 }
 
 std::string_view trimmed(std::string_view line) {
@@ -81,7 +84,7 @@ Result<void> BvhRowDecoder::take_line(std::string_view line, StreamSink& sink) {
     if (line.starts_with("MOTION")) return end_header(sink);
     if (header_.size() + line.size() > kMaxHeader) {
       header_.clear();
-      return bad_row("the skeleton exceeds 256 KiB");
+      return bad_packet("the skeleton exceeds 256 KiB");
     }
     header_.append(line).append("\n");
     return {};
@@ -105,7 +108,7 @@ Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
   const std::string text = std::exchange(header_, {});
   RETARGET_TRY_ASSIGN(const auto skeleton, bvh_skeleton(text, "stream"));
   if (skeleton->joint_count() > kMaxStreamJoints) {
-    return bad_row(fmt::format("the skeleton has more than {} joints", kMaxStreamJoints));
+    return bad_packet(fmt::format("the skeleton has more than {} joints", kMaxStreamJoints));
   }
   // The user's file has more information about the same skeleton.
   if (known_ && have_same_joints(*known_, *skeleton)) return {};
@@ -115,7 +118,7 @@ Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
 }
 
 Result<void> BvhRowDecoder::take_row(std::string_view line, StreamSink& sink) {
-  if (!rows_) return bad_row("received a row, but no skeleton is known");
+  if (!rows_) return bad_packet("received a row, but no skeleton is known");
   RETARGET_TRY(rows_->read(line, *clip_, 0));
   frame_.time =
       fps_ > 0.0 ? static_cast<double>(count_) / fps_ : std::numeric_limits<double>::quiet_NaN();
@@ -162,14 +165,21 @@ Result<std::string> BvhRowEncoder::frame(const Clip&, int frame) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from) {
-  constexpr double kMaxFps = 1e4;
-  const auto fps = parse_number<double>(from.extra("fps"));
-  return std::make_unique<BvhRowDecoder>(fps && *fps > 0.0 && *fps < kMaxFps ? *fps : 0.0);
-}
-
-std::unique_ptr<Encoder> make_bvh_row_encoder() {
-  return std::make_unique<BvhRowEncoder>();
+StreamFormat bvh_row_format() {
+  static constexpr std::array kExtras = {
+      StreamExtra{"fps", "a number from 0 to 10000",
+                  [](const std::string& value) { return sender_rate(value).has_value(); }}};
+  return {.name = "bvh",
+          .description =
+              "motion rows of a BVH file as text, one per line; ?fps=N, because they "
+              "have no timestamps",
+          .port = 1118,
+          .decoder = [](const StreamAddress& from) -> std::unique_ptr<Decoder> {
+            return std::make_unique<BvhRowDecoder>(sender_rate(from.extra("fps")).value_or(0.0));
+          },
+          .encoder = make_encoder<BvhRowEncoder>,
+          .extras = kExtras,
+          .datagram_lines = 4096};  // A skeleton's rows may arrive line by line in a datagram.
 }
 
 }  // namespace retarget

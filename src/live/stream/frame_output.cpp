@@ -18,6 +18,32 @@ namespace {
 
 constexpr std::string_view kByteText = "udp:, tcp:, files, -";
 
+// How frames leave through a library.
+struct LibraryOutput {
+  decltype(&open_frame_output) open = nullptr;
+  std::string_view lacks = {};    // The library if this build does not have it.
+  std::string_view package = {};  // Package of that library.
+};
+
+#ifdef RETARGET_HAS_ZEROMQ
+constexpr LibraryOutput kZmq = {.open = open_zmq_output};
+#else
+constexpr LibraryOutput kZmq = {.lacks = "ZeroMQ", .package = "libzmq3-dev"};
+#endif
+#ifdef RETARGET_HAS_HIREDIS
+constexpr LibraryOutput kRedis = {.open = open_redis_output};
+#else
+constexpr LibraryOutput kRedis = {.lacks = "hiredis", .package = "libhiredis-dev"};
+#endif
+
+Result<std::unique_ptr<FrameOutput>> open_library_output(const LibraryOutput& library,
+                                                         const StreamAddress& to,
+                                                         const FrameOutputContext& context) {
+  if (library.lacks.empty()) return library.open(to, context);
+  return usage_failure(fmt::format("this build lacks {}; {} needs it", library.lacks, to.text()),
+                       fmt::format("install {} and rebuild (docs/building.md)", library.package));
+}
+
 // Checks that the format supports the transport; ZeroMQ and Redis have one format each.
 Result<void> check_output_format(const StreamAddress& to) {
   const std::string_view only = to.transport == Transport::kZmq     ? "sonic"
@@ -45,11 +71,6 @@ Result<void> check_output_format(const StreamAddress& to) {
 
 }  // namespace
 
-Failure lacks_library(const StreamAddress& to, std::string_view library, std::string_view package) {
-  return usage_failure(fmt::format("this build lacks {}; {} needs it", library, to.text()),
-                       fmt::format("install {} and rebuild (docs/building.md)", package));
-}
-
 std::span<const OutputFormat> output_formats() {
   static const std::array<OutputFormat, 4> kFormats = {{
       {"jsonl",
@@ -58,10 +79,8 @@ std::span<const OutputFormat> output_formats() {
        0,
        {}},
       {"csv", "rows of Unitree's CSV; the default for .csv files", kByteText, 0, {}},
-      {"sonic", "messages for SONIC's deployment, protocol version 1", "zmq:", 5556,
-       has_zmq_output() ? "" : "ZeroMQ"},
-      {"twist2", "Redis keys of TWIST2's controller", "redis:", 6379,
-       has_redis_output() ? "" : "hiredis"},
+      {"sonic", "messages for SONIC's deployment, protocol version 1", "zmq:", 5556, kZmq.lacks},
+      {"twist2", "Redis keys of TWIST2's controller", "redis:", 6379, kRedis.lacks},
   }};
   return kFormats;
 }
@@ -88,8 +107,8 @@ Result<void> check_frame_output(const StreamAddress& to) {
 Result<std::unique_ptr<FrameOutput>> open_frame_output(const StreamAddress& to,
                                                        const FrameOutputContext& context) {
   RETARGET_TRY(check_frame_output(to));
-  if (to.transport == Transport::kZmq) return open_zmq_output(to, context);
-  if (to.transport == Transport::kRedis) return open_redis_output(to, context);
+  if (to.transport == Transport::kZmq) return open_library_output(kZmq, to, context);
+  if (to.transport == Transport::kRedis) return open_library_output(kRedis, to, context);
   return open_byte_output(to, context);
 }
 
@@ -235,23 +254,13 @@ std::string_view live_state_name(LiveState state) {
   return kNames[static_cast<std::size_t>(state)];
 }
 
-std::unique_ptr<RobotFrameWriter> make_json_frame_writer(std::shared_ptr<const Robot> robot,
-                                                         double fps,
-                                                         std::vector<std::string> held) {
-  return std::make_unique<JsonFrameWriter>(std::move(robot), fps, std::move(held));
-}
-
-std::unique_ptr<RobotFrameWriter> make_csv_frame_writer(std::shared_ptr<const Robot> robot) {
-  return std::make_unique<CsvFrameWriter>(std::move(robot));
-}
-
 std::unique_ptr<RobotFrameWriter> make_frame_writer(const std::string& format,
                                                     const std::string& file,
                                                     std::shared_ptr<const Robot> robot, double fps,
                                                     std::vector<std::string> held) {
   const bool csv = format == "csv" || (format.empty() && file.ends_with(".csv"));
-  if (csv) return make_csv_frame_writer(std::move(robot));
-  return make_json_frame_writer(std::move(robot), fps, std::move(held));
+  if (csv) return std::make_unique<CsvFrameWriter>(std::move(robot));
+  return std::make_unique<JsonFrameWriter>(std::move(robot), fps, std::move(held));
 }
 
 }  // namespace retarget

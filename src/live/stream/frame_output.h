@@ -43,19 +43,12 @@ struct FrameOutputContext {
   std::vector<std::string> held = {};
 };
 
-/// Opens `zmq:PORT` and `redis:PORT`. Errors: those of open_frame_output; a build without the
-/// library (kUsage).
+/// Opens `zmq:PORT` and `redis:PORT`. Only builds with the library define them. Errors: those of
+/// open_frame_output.
 [[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_zmq_output(
     const StreamAddress& to, const FrameOutputContext& context);
 [[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_redis_output(
     const StreamAddress& to, const FrameOutputContext& context);
-/// Whether this build supports them.
-[[nodiscard]] bool has_zmq_output();
-[[nodiscard]] bool has_redis_output();
-
-/// The error of a build without a library.
-[[nodiscard]] Failure lacks_library(const StreamAddress& to, std::string_view library,
-                                    std::string_view package);
 
 /// Checks the address of an output before anything is opened. Errors (kUsage): unknown format, or
 /// one that does not support the address; parameters after `?` that it does not support; a missing
@@ -63,7 +56,7 @@ struct FrameOutputContext {
 [[nodiscard]] Result<void> check_frame_output(const StreamAddress& to);
 
 /// Opens an output. Errors: those of check_frame_output; unavailable address; a format that does
-/// not support this robot (kUsage).
+/// not support this robot, or whose library the build lacks (kUsage).
 [[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_frame_output(
     const StreamAddress& to, const FrameOutputContext& context);
 
@@ -124,17 +117,12 @@ class RobotFrameWriter {
   virtual void append(const RobotFrame& frame, std::string& bytes) = 0;
 };
 
-/// Writes JSON lines: `{"frame", "time", "state", "root_position", "root_rotation" w x y z,
-/// "joints"}`; the first line names robot, rate and joints.
-/// @param held  joints that do not follow the human; if any, the first line names them and the
-///     root.
-[[nodiscard]] std::unique_ptr<RobotFrameWriter> make_json_frame_writer(
-    std::shared_ptr<const Robot> robot, double fps, std::vector<std::string> held = {});
-/// Writes rows of Unitree's CSV, as offline runs do.
-[[nodiscard]] std::unique_ptr<RobotFrameWriter> make_csv_frame_writer(
-    std::shared_ptr<const Robot> robot);
-
+/// Writes rows of Unitree's CSV, as offline runs do, or JSON lines: `{"frame", "time", "state",
+/// "root_position", "root_rotation" w x y z, "joints"}`; the first line names robot, rate and
+/// joints.
 /// @param format  `jsonl` or `csv`; empty: `csv` for files with this extension, otherwise `jsonl`.
+/// @param held    joints that do not follow the human; if any, the first line of JSON names them
+///     and the root.
 [[nodiscard]] std::unique_ptr<RobotFrameWriter> make_frame_writer(
     const std::string& format, const std::string& file, std::shared_ptr<const Robot> robot,
     double fps, std::vector<std::string> held = {});

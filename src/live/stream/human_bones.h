@@ -45,6 +45,20 @@ class BonePoses {
   [[nodiscard]] const Pose& world_from_bone(Bone bone) const {
     return world_from_joint_[static_cast<std::size_t>(joint_of_bone_[bone])];
   }
+  /// Poses of a format's bones. Receivers expect every bone, so a missing one moves with its parent.
+  /// @param rows  each has a `bone` and a `parent`: the index of an earlier row; -1: none.
+  [[nodiscard]] std::vector<Pose> poses_of(const auto& rows) const {
+    std::vector<Pose> world_from_row;
+    for (const auto& row : rows) {
+      if (has(row.bone)) {
+        world_from_row.push_back(world_from_bone(row.bone));
+      } else {
+        world_from_row.push_back(
+            row.parent < 0 ? Pose{} : world_from_row[static_cast<std::size_t>(row.parent)]);
+      }
+    }
+    return world_from_row;
+  }
 
  private:
   BoneArray<int> joint_of_bone_{-1};

@@ -24,11 +24,6 @@ namespace retarget {
 namespace {
 
 constexpr double kMaxNumber = 1e7;
-constexpr const char* kName = "the line";
-
-Failure bad_line(std::string message) {
-  return input_failure({}, std::move(message));
-}
 
 // Reads a world pose: position x y z, rotation w x y z.
 Result<Pose> pose_from(const PacketJson& json, const std::string& joint) {
@@ -38,13 +33,13 @@ Result<Pose> pose_from(const PacketJson& json, const std::string& joint) {
     return value.is_number() && std::abs(value.get<double>()) < kMaxNumber;
   };
   if (!json.is_array() || json.size() != kNumbers || !std::ranges::all_of(json, is_number)) {
-    return bad_line(fmt::format(
+    return bad_packet(fmt::format(
         "joint \"{}\": expected seven numbers, position x y z and rotation w x y z", joint));
   }
   const auto number = [&](std::size_t i) { return json[i].get<double>(); };
   const Eigen::Quaterniond rotation(number(3), number(4), number(5), number(6));
   if (rotation.norm() < kMinNorm) {
-    return bad_line(fmt::format("joint \"{}\": the rotation is zero", joint));
+    return bad_packet(fmt::format("joint \"{}\": the rotation is zero", joint));
   }
   return Pose{rotation.normalized(), {number(0), number(1), number(2)}};
 }
@@ -57,7 +52,7 @@ Result<std::optional<Eigen::Vector3d>> up_from(const PacketJson& header) {
       return std::optional<Eigen::Vector3d>(Eigen::Vector3d::Unit(axis));
     }
   }
-  return bad_line("\"up\" must be \"x\", \"y\" or \"z\"");
+  return bad_packet("\"up\" must be \"x\", \"y\" or \"z\"");
 }
 
 Result<std::optional<double>> length_from(const PacketJson& header, const char* name) {
@@ -67,7 +62,7 @@ Result<std::optional<double>> length_from(const PacketJson& header, const char* 
   if (value.is_number() && value.get<double>() >= kMin && value.get<double>() <= kMax) {
     return std::optional<double>(value.get<double>());
   }
-  return bad_line(fmt::format("\"{}\" must be a number of metres", name));
+  return bad_packet(fmt::format("\"{}\" must be a number of metres", name));
 }
 
 // Nothing: the sender does not know.
@@ -107,23 +102,23 @@ class HeaderReader {
 
 Result<void> HeaderReader::read_joint(const PacketJson& json) {
   if (!json.is_object() || !json.contains("name") || !json["name"].is_string()) {
-    return bad_line("a joint of the skeleton must be an object with a \"name\"");
+    return bad_packet("a joint of the skeleton must be an object with a \"name\"");
   }
   Joint joint;
   joint.name = json["name"].get<std::string>();
   if (joint.name.empty() ||
       std::ranges::any_of(joints_, [&](const Joint& other) { return other.name == joint.name; })) {
-    return bad_line(fmt::format("joint \"{}\" is duplicated or has no name", joint.name));
+    return bad_packet(fmt::format("joint \"{}\" is duplicated or has no name", joint.name));
   }
   const PacketJson parent = json.value("parent", PacketJson());
   if (parent.is_string()) {
     const auto found = std::ranges::find(joints_, parent.get<std::string>(), &Joint::name);
     if (found == joints_.end()) {
-      return bad_line(fmt::format("joint \"{}\": its parent must come before it", joint.name));
+      return bad_packet(fmt::format("joint \"{}\": its parent must come before it", joint.name));
     }
     joint.parent = static_cast<int>(found - joints_.begin());
   } else if (!parent.is_null() || !joints_.empty()) {
-    return bad_line(fmt::format("joint \"{}\": expected the name of its parent", joint.name));
+    return bad_packet(fmt::format("joint \"{}\": expected the name of its parent", joint.name));
   }
   Pose pose;
   if (json.contains("rest")) {
@@ -141,7 +136,7 @@ Result<void> HeaderReader::read_joint(const PacketJson& json) {
 Result<void> HeaderReader::read(const PacketJson& header) {
   if (!header.is_object() || !header.contains("joints") || !header["joints"].is_array() ||
       header["joints"].empty() || header["joints"].size() > kMaxStreamJoints) {
-    return bad_line(
+    return bad_packet(
         fmt::format("a skeleton must have \"joints\", a list of 1 to {}", kMaxStreamJoints));
   }
   for (const PacketJson& joint : header["joints"]) RETARGET_TRY(read_joint(joint));
@@ -157,7 +152,7 @@ Result<void> HeaderReader::give(const PacketJson& header, StreamSink& sink) {
   RETARGET_TRY_ASSIGN(origin.body_height, length_from(header, "height"));
   const PacketJson pose = header.value("pose", PacketJson("t-pose"));
   if (pose != "t-pose" && pose != "any") {
-    return bad_line("\"pose\" must be \"t-pose\" or \"any\"");
+    return bad_packet("\"pose\" must be \"t-pose\" or \"any\"");
   }
   const bool is_rest = has_poses_ && pose == "t-pose";
   Clip clip(std::make_shared<const Skeleton>(joints_), FrameRate{}, is_rest ? 1 : 0);
@@ -224,8 +219,7 @@ void LineDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton)
 }
 
 Result<void> LineDecoder::take(std::string_view bytes, StreamSink& sink) {
-  RETARGET_TRY_ASSIGN(const PacketJson json, parse_packet_json(bytes, kName));
-  if (!json.is_object()) return bad_line("expected a JSON object per line");
+  RETARGET_TRY_ASSIGN(const PacketJson json, parse_json_line(bytes));
   if (json.contains("skeleton")) {
     HeaderReader header;
     RETARGET_TRY(header.read(json["skeleton"]));
@@ -257,19 +251,19 @@ Result<void> LineDecoder::use_known(const PacketJson& header, const std::vector<
 
 Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
   if (index_.empty()) {
-    return bad_line(
+    return bad_packet(
         "received a frame before the skeleton; the first line must describe the skeleton");
   }
   if (!json.contains("joints") || !json["joints"].is_object()) {
-    return bad_line("a frame must have \"joints\", an object of poses by name");
+    return bad_packet("a frame must have \"joints\", an object of poses by name");
   }
   frame_.time = std::numeric_limits<double>::quiet_NaN();
   if (json.contains("time")) {
     const PacketJson& time = json["time"];
     constexpr double kMaxTime = 1e12;
-    if (!time.is_number()) return bad_line("\"time\" must be a number of seconds");
+    if (!time.is_number()) return bad_packet("\"time\" must be a number of seconds");
     if (std::abs(time.get<double>()) > kMaxTime) {
-      return bad_line(fmt::format("\"time\" must be in seconds, found {:g}", time.get<double>()));
+      return bad_packet(fmt::format("\"time\" must be in seconds, found {:g}", time.get<double>()));
     }
     frame_.time = time.get<double>();
   }
@@ -281,7 +275,7 @@ Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
     seen_[found->second] = 1;
   }
   for (const auto& [name, i] : index_) {
-    if (seen_[i] == 0) return bad_line(fmt::format("joint \"{}\" is missing", name));
+    if (seen_[i] == 0) return bad_packet(fmt::format("joint \"{}\" is missing", name));
   }
   const FileAxes axes = uses_known_ ? known_axes_ : FileAxes();
   for (std::size_t i = 0; i < parents_.size(); ++i) {
@@ -353,12 +347,13 @@ Result<std::string> LineEncoder::frame(const Clip& clip, int frame) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_line_decoder(const StreamAddress&) {
-  return std::make_unique<LineDecoder>();
-}
-
-std::unique_ptr<Encoder> make_line_encoder() {
-  return std::make_unique<LineEncoder>();
+StreamFormat line_format() {
+  return {
+      .name = "lines",
+      .description = "JSON, one object per line: time, named joints with position and quaternion",
+      .decoder = make_decoder<LineDecoder>,
+      .encoder = make_encoder<LineEncoder>,
+      .is_metric = true};
 }
 
 }  // namespace retarget

@@ -116,6 +116,8 @@ class LivePipeline final {
   void warn_once(bool& warned, std::string_view label, std::string_view text) const;
   void report_changes();
 
+  static constexpr double kBodyEvery = 1.0;  // Seconds from one recognition of a body to the next.
+
   LivePipelineOptions options_;
   BodyMaker maker_;
   std::unique_ptr<Decoder> decoder_;

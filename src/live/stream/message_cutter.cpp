@@ -272,4 +272,18 @@ Result<PacketJson> parse_packet_json(std::string_view text, const std::string& w
   }
 }
 
+Result<PacketJson> parse_json_line(std::string_view line) {
+  RETARGET_TRY_ASSIGN(PacketJson json, parse_packet_json(line, "the line"));
+  if (!json.is_object()) return input_failure({}, "expected a JSON object per line");
+  return json;
+}
+
+const PacketJson* find_member(const PacketJson& json, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    const auto found = json.find(name);
+    if (found != json.end() && !found->is_null()) return &*found;
+  }
+  return nullptr;
+}
+
 }  // namespace retarget

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -153,5 +154,12 @@ using PacketJson = nlohmann::json;
 /// used.
 /// @param what  for messages: `the line`
 [[nodiscard]] Result<PacketJson> parse_packet_json(std::string_view text, const std::string& what);
+
+/// The same for a line that must be an object.
+[[nodiscard]] Result<PacketJson> parse_json_line(std::string_view line);
+
+/// The first member of an object with one of these names and a value; null: none.
+[[nodiscard]] const PacketJson* find_member(const PacketJson& json,
+                                            std::initializer_list<const char*> names);
 
 }  // namespace retarget

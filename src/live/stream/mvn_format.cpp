@@ -30,10 +30,6 @@ using MvnReader = ByteReader<std::endian::big>;
 
 constexpr double kFarthest = 1e4;  // metres
 
-Failure mvn_failure(std::string message) {
-  return input_failure({}, std::move(message));
-}
-
 Eigen::Vector3d read_mvn_vector(MvnReader& reader) {
   Eigen::Vector3d vector;
   for (double& value : vector) value = static_cast<double>(reader.number<float>());
@@ -99,13 +95,13 @@ Result<void> MvnDecoder::take(std::string_view bytes, StreamSink& sink) {
 
 Result<void> MvnDecoder::take_message(std::string_view bytes, StreamSink& sink) {
   const auto header = read_mvn_header(bytes);
-  if (!header) return mvn_failure("not a message of MVN's network streamer");
+  if (!header) return bad_packet("not a message of MVN's network streamer");
   const std::string_view payload = bytes.substr(kMvnHeaderSize);
-  if (payload.size() < header->payload_size) return mvn_failure("truncated message");
+  if (payload.size() < header->payload_size) return bad_packet("truncated message");
   switch (static_cast<MvnType>(header->type)) {
     case MvnType::kEuler:
     case MvnType::kUnity:
-      return mvn_failure(
+      return bad_packet(
           fmt::format("unsupported pose type {:02}: enable Position + Orientation (Quaternion) in "
                       "MVN's network streamer",
                       header->type));
@@ -132,13 +128,13 @@ Result<void> MvnDecoder::take_scale(std::string_view payload, StreamSink& sink) 
     const std::string_view name = reader.bytes(length);
     const Eigen::Vector3d place = read_mvn_vector(reader);
     if (!reader.ok() || !is_mvn_place(place) || i == kMostSegments || length > kLongestName)
-      return mvn_failure("truncated or invalid scale data");
+      return bad_packet("truncated or invalid scale data");
     if (const auto segment = mvn_segment(name)) {
       t_pose_[*segment] = place;
       placed_.set(*segment);
     }
   }
-  if (!reader.ok()) return mvn_failure("truncated scale data");
+  if (!reader.ok()) return bad_packet("truncated scale data");
   if (!placed_.all()) return {};
   placed_.reset();
   MvnOffsets offsets = t_pose_;
@@ -153,7 +149,7 @@ Result<void> MvnDecoder::take_scale(std::string_view payload, StreamSink& sink) 
 Result<void> MvnDecoder::set_skeleton(const MvnOffsets& offsets, double tolerance,
                                       StreamSink& sink) {
   if (const std::string fault = mvn_body_fault(offsets); !fault.empty()) {
-    return mvn_failure("the body dimensions are not those of a person: " + fault);
+    return bad_packet("the body dimensions are not those of a person: " + fault);
   }
   const auto& told = skeleton_.joints();
   bool same = !told.empty();
@@ -196,7 +192,7 @@ Result<void> MvnDecoder::take_poses(const MvnHeader& header, std::string_view pa
     ended_ = header.sample;
     RETARGET_TRY(end_frame(header.milliseconds, sink));
   }
-  if (lost) return mvn_failure("a part of a frame is missing");
+  if (lost) return bad_packet("a part of a frame is missing");
   return {};
 }
 
@@ -208,13 +204,13 @@ Result<void> MvnDecoder::read_poses(std::string_view payload) {
     const Eigen::Vector3d place = read_mvn_vector(reader);
     std::array<double, 4> q{};
     for (double& value : q) value = static_cast<double>(reader.number<float>());
-    if (!reader.ok()) return mvn_failure("truncated pose");
+    if (!reader.ok()) return bad_packet("truncated pose");
     // Props and fingers follow the body's segments.
     if (id == 0 || id > kMvnSegmentCount) continue;
     const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
     const double norm = rotation.norm();
     if (!is_mvn_place(place) || !(norm > kMinNorm) || !(norm < 1.0 / kMinNorm)) {
-      return mvn_failure(fmt::format("segment {}: invalid pose", kMvnSegments[id - 1].name));
+      return bad_packet(fmt::format("segment {}: invalid pose", kMvnSegments[id - 1].name));
     }
     world_from_segment_[id - 1] = {rotation.normalized(), place};
     seen_.set(id - 1);
@@ -225,7 +221,7 @@ Result<void> MvnDecoder::read_poses(std::string_view payload) {
 Result<void> MvnDecoder::end_frame(std::uint32_t milliseconds, StreamSink& sink) {
   for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
     if (!seen_[i]) {
-      return mvn_failure(fmt::format("the frame lacks the segment {}", kMvnSegments[i].name));
+      return bad_packet(fmt::format("the frame lacks the segment {}", kMvnSegments[i].name));
     }
   }
   if (skeleton_.joints().empty()) {
@@ -272,6 +268,11 @@ std::optional<std::array<int, kMvnSegmentCount>> segment_joints(const Skeleton& 
   return joints;
 }
 
+// Whether a clip lacks MVN's segments, the unit or the up axis.
+bool plays_human_as_mvn(const Clip& clip) {
+  return !clip.origin().metres_per_unit || !clip.origin().up || !segment_joints(clip.skeleton());
+}
+
 class MvnEncoder final : public Encoder {
  public:
   std::string begin(const Clip& clip) override;
@@ -280,7 +281,6 @@ class MvnEncoder final : public Encoder {
 
  private:
   void pose_of_joints(const Clip& clip, int frame);
-  void pose_of_bones();
   [[nodiscard]] std::string scale(const Clip& clip, int frame) const;
 
   std::optional<std::array<int, kMvnSegmentCount>> joints_;  // Nothing: bones are played.
@@ -303,7 +303,7 @@ std::string MvnEncoder::begin(const Clip& clip) {
     pose_of_joints(Clip(clip.shared_skeleton(), clip.rate(), 1), 0);
   } else {
     bones_ = BonePoses(clip);
-    pose_of_bones();
+    std::ranges::copy(bones_.poses_of(kMvnSegments), world_from_segment_.begin());
   }
   std::ranges::transform(world_from_segment_, t_pose_.begin(), &Pose::translation);
   return scale(clip, 0);
@@ -317,18 +317,6 @@ void MvnEncoder::pose_of_joints(const Clip& clip, int frame) {
   }
 }
 
-// A missing bone is rigidly attached to its parent.
-void MvnEncoder::pose_of_bones() {
-  for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
-    const MvnSegment& segment = kMvnSegments[i];
-    if (bones_.has(segment.bone)) {
-      world_from_segment_[i] = bones_.world_from_bone(segment.bone);
-    } else if (segment.parent >= 0) {
-      world_from_segment_[i] = world_from_segment_[static_cast<std::size_t>(segment.parent)];
-    }
-  }
-}
-
 std::string MvnEncoder::scale(const Clip& clip, int frame) const {
   return mvn_scale_message(static_cast<std::uint32_t>(frame), milliseconds_of(clip, frame),
                            t_pose_);
@@ -339,7 +327,7 @@ Result<std::string> MvnEncoder::frame(const Clip& clip, int frame) {
     pose_of_joints(clip, frame);
   } else {
     bones_.set_frame(clip, frame);
-    pose_of_bones();
+    std::ranges::copy(bones_.poses_of(kMvnSegments), world_from_segment_.begin());
   }
   // Repeat the scale once per second for receivers that join later.
   const int second = std::max(1, static_cast<int>(std::lround(clip.rate().fps())));
@@ -354,17 +342,20 @@ std::size_t MvnEncoder::packet_size(std::string_view bytes) const {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_mvn_decoder(const StreamAddress& from) {
-  return std::make_unique<MvnDecoder>(parse_number<int>(from.extra("actor")),
-                                      from.transport == Transport::kUdp);
-}
-
-bool plays_human_as_mvn(const Clip& clip) {
-  return !clip.origin().metres_per_unit || !clip.origin().up || !segment_joints(clip.skeleton());
-}
-
-std::unique_ptr<Encoder> make_mvn_encoder() {
-  return std::make_unique<MvnEncoder>();
+StreamFormat mvn_format() {
+  static constexpr std::array kExtras = {kActorNumber};
+  return {.name = "mvn",
+          .description =
+              "Xsens MVN's network streamer, poses as quaternions; ?actor=N selects an actor",
+          .port = 9763,
+          .is_text = false,
+          .decoder = [](const StreamAddress& from) -> std::unique_ptr<Decoder> {
+            return std::make_unique<MvnDecoder>(parse_number<int>(from.extra("actor")),
+                                                from.transport == Transport::kUdp);
+          },
+          .encoder = make_encoder<MvnEncoder>,
+          .plays_human = plays_human_as_mvn,
+          .extras = kExtras};
 }
 
 }  // namespace retarget

@@ -24,16 +24,12 @@
 namespace retarget {
 namespace {
 
-Failure natnet_failure(std::string message) {
-  return input_failure({}, std::move(message));
-}
-
 // Sorts bones so that parents precede children. Errors: the bones do not form a tree.
 Result<std::vector<const NatNetBone*>> ordered_bones(const NatNetSkeleton& skeleton) {
   constexpr std::size_t kMaxBones = 500;
   constexpr double kMaxOffset = 1e3;  // metres
   if (skeleton.bones.empty() || skeleton.bones.size() > kMaxBones) {
-    return natnet_failure(fmt::format("expected a skeleton of 1 to {} bones", kMaxBones));
+    return bad_packet(fmt::format("expected a skeleton of 1 to {} bones", kMaxBones));
   }
   std::vector<const NatNetBone*> ordered;
   std::set<int> placed;
@@ -48,17 +44,17 @@ Result<std::vector<const NatNetBone*>> ordered_bones(const NatNetSkeleton& skele
       const bool is_root = bone.parent <= 0;
       if (taken[i] != 0 || (!is_root && !placed.contains(bone.parent))) continue;
       if ((is_root && !ordered.empty()) || !placed.insert(bone.id).second) {
-        return natnet_failure("two bones of a skeleton have the same ID, or no parent");
+        return bad_packet("two bones of a skeleton have the same ID, or no parent");
       }
       if (!(bone.offset.norm() < kMaxOffset))
-        return natnet_failure("a bone offset is not a number or too large");
+        return bad_packet("a bone offset is not a number or too large");
       ordered.push_back(&bone);
       taken[i] = 1;
       found = true;
     }
   }
   if (ordered.size() < skeleton.bones.size()) {
-    return natnet_failure("the skeleton has bones without a valid parent");
+    return bad_packet("the skeleton has bones without a valid parent");
   }
   return ordered;
 }
@@ -166,10 +162,10 @@ Result<void> NatNetDecoder::take(std::string_view bytes, StreamSink& sink) {
 
 Result<void> NatNetDecoder::take_message(std::string_view bytes, StreamSink& sink) {
   const auto type = natnet_message_type(bytes);
-  if (!type) return natnet_failure("not a NatNet message");
+  if (!type) return bad_packet("not a NatNet message");
   const std::string_view payload = bytes.substr(kNatNetHeaderSize);
   if (bytes.size() < natnet_message_size(bytes).value_or(0)) {
-    return natnet_failure("truncated NatNet message");
+    return bad_packet("truncated NatNet message");
   }
   switch (*type) {
     case NatNetMessage::kServerInfo: {
@@ -187,7 +183,7 @@ Result<void> NatNetDecoder::take_message(std::string_view bytes, StreamSink& sin
 }
 
 Failure unknown_version() {
-  return natnet_failure(
+  return bad_packet(
       "unknown NatNet version: query it with ?server=ADDRESS of Motive's computer, or set it with "
       "?version=4.1");
 }
@@ -199,8 +195,8 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
       skeletons, [&](const NatNetSkeleton& skeleton) { return !actor_ || skeleton.id == *actor_; });
   if (wanted == skeletons.end()) {
     const std::string which = actor_ ? fmt::format(" {}", *actor_) : std::string();
-    return natnet_failure("Motive streams no skeleton" + which +
-                          ": enable Skeletons in its streaming settings");
+    return bad_packet("Motive streams no skeleton" + which +
+                      ": enable Skeletons in its streaming settings");
   }
   RETARGET_TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
   wants_models_ = false;
@@ -230,7 +226,7 @@ Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sin
   if (!version_) return unknown_version();
   RETARGET_TRY(read_natnet_frame(payload, *version_, described ? streamed_ : actor_, frame_));
   if (frame_.models_changed || !frame_.skeleton) wants_models_ = true;
-  if (!frame_.skeleton) return natnet_failure("the frame lacks the skeleton");
+  if (!frame_.skeleton) return bad_packet("the frame lacks the skeleton");
   const bool tracked = std::ranges::any_of(frame_.bones, &NatNetBonePose::is_tracked);
   if (!tracked) return {};
   if (!described) RETARGET_TRY(learn_by_order(sink));
@@ -260,7 +256,7 @@ Result<void> NatNetDecoder::place_bones() {
                           : std::ranges::find(frame_.bones, ids_[i], &NatNetBonePose::id);
     if (here == frame_.bones.end()) {
       wants_models_ = true;
-      return natnet_failure(fmt::format("the frame lacks the bone {}", skeleton_.joints()[i].name));
+      return bad_packet(fmt::format("the frame lacks the bone {}", skeleton_.joints()[i].name));
     }
     poses_[i] = here->pose;
   }
@@ -278,12 +274,11 @@ void NatNetDecoder::decide_coordinates() {
 Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
   const std::string undescribed =
       "the bones are not described (query them with ?server=ADDRESS of Motive's computer)";
-  if (skeleton_.known() == nullptr) return natnet_failure(undescribed);
+  if (skeleton_.known() == nullptr) return bad_packet(undescribed);
   const Skeleton& known = *skeleton_.known();
   if (frame_.bones.size() != static_cast<std::size_t>(known.joint_count())) {
-    return natnet_failure(fmt::format("{}: received {}, but the skeleton file has {}", undescribed,
-                                      frame_.bones.size(),
-                                      count_text(known.joint_count(), "joint")));
+    return bad_packet(fmt::format("{}: received {}, but the skeleton file has {}", undescribed,
+                                  frame_.bones.size(), count_text(known.joint_count(), "joint")));
   }
   std::vector<int> ids;
   std::vector<StreamJoint> joints;
@@ -307,7 +302,7 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
   }
   constexpr double kMaxError = 0.15;  // Fraction of the bone length.
   if (!(best < kMaxError * length)) {
-    return natnet_failure(undescribed + ", and their positions do not match the skeleton file");
+    return bad_packet(undescribed + ", and their positions do not match the skeleton file");
   }
   for (StreamJoint& joint : joints) joint.offset *= metres;
   ids_ = std::move(ids);
@@ -319,8 +314,26 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_natnet_decoder(const StreamAddress& from) {
-  return std::make_unique<NatNetDecoder>(from);
+StreamFormat natnet_format() {
+  static constexpr std::array kExtras = {
+      kActorNumber,
+      StreamExtra{"version", "a NatNet version of at least 3.0, such as version=4.1",
+                  [](const std::string& value) { return natnet_version(value).has_value(); }},
+      StreamExtra{"coordinates", "local or global",
+                  [](const std::string& value) { return value == "local" || value == "global"; }}};
+  return {.name = "natnet",
+          .description =
+              "OptiTrack Motive, NatNet 3.0 to 4.x; ?server=ADDRESS for the skeleton, "
+              "?multicast=239.255.42.99, ?version=4.1, ?actor=N",
+          .port = 1511,
+          .is_text = false,
+          .decoder = [](const StreamAddress& from) -> std::unique_ptr<Decoder> {
+            return std::make_unique<NatNetDecoder>(from);
+          },
+          .encoder = make_natnet_encoder,
+          .is_metric = true,
+          .request_port = 1510,
+          .extras = kExtras};
 }
 
 }  // namespace retarget

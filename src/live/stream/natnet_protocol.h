@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,8 @@
 #include "retarget/pose.h"
 
 namespace retarget {
+
+class Encoder;
 
 // OptiTrack's NatNet protocol, versions 3.0 to 4.x, as direct depacketisation clients read it: each
 // message has a number, a size and a payload, little-endian.
@@ -107,5 +110,7 @@ struct NatNetFrame {
                                                   NatNetVersion version);
 /// @param frame  contains the skeleton's ID and all bones.
 [[nodiscard]] std::string natnet_frame_payload(const NatNetFrame& frame, NatNetVersion version);
+
+[[nodiscard]] std::unique_ptr<Encoder> make_natnet_encoder();
 
 }  // namespace retarget

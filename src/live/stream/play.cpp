@@ -85,9 +85,6 @@ Result<int> play(const Clip& given, const PlayOptions& options,
   const ExactWaits exact;
   RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(options.to));
   RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(to.format));
-  if (format->encoder == nullptr) {
-    return usage_failure("playing is not supported for the format " + std::string(format->name));
-  }
   RETARGET_TRY(check_player_target(to, *format));
   RETARGET_TRY_ASSIGN(const Clip clip, played_clip(given, *format, options));
   RETARGET_TRY_ASSIGN(Player player, Player::open(*format, to));

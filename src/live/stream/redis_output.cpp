@@ -1,9 +1,6 @@
 // Sends robot frames as keys of a Redis server. CMake defines RETARGET_HAS_HIREDIS if hiredis is
 // available.
 
-#include "live/stream/frame_output.h"
-#include "retarget/try.h"
-
 #ifdef RETARGET_HAS_HIREDIS
 
 #include <fmt/format.h>
@@ -24,6 +21,8 @@
 
 #include "live/stream/byte_output.h"
 #include "live/stream/controller_messages.h"
+#include "live/stream/frame_output.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -239,25 +238,6 @@ Result<std::unique_ptr<FrameOutput>> open_redis_output(const StreamAddress& to,
   auto output = std::make_unique<Twist2Output>(to, context.tell, std::move(actions));
   RETARGET_TRY(output->open());
   return output;
-}
-
-bool has_redis_output() {
-  return true;
-}
-
-}  // namespace retarget
-
-#else
-
-namespace retarget {
-
-Result<std::unique_ptr<FrameOutput>> open_redis_output(const StreamAddress& to,
-                                                       const FrameOutputContext& /*context*/) {
-  return lacks_library(to, "hiredis", "libhiredis-dev");
-}
-
-bool has_redis_output() {
-  return false;
 }
 
 }  // namespace retarget

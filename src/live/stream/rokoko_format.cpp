@@ -95,10 +95,6 @@ constexpr std::size_t kMostOfDatagram = std::size_t{1} << 19, kMostOfPiece = std
 constexpr int kMostObjects = 64;
 constexpr std::size_t kMostActors = 64;
 
-Failure bad_packet(std::string message) {
-  return input_failure({}, std::move(message));
-}
-
 // Returns null if the value is not an object or has no such member.
 const PacketJson& member(const PacketJson& json, const char* name) {
   static const PacketJson none;
@@ -328,17 +324,10 @@ Json bone_of(const RokokoBone& bone, const Pose& world_from_bone) {
 Result<std::string> RokokoEncoder::frame(const Clip& clip, int frame) {
   bones_.set_frame(clip, frame);
   Json body = Json::object();
-  std::array<Pose, kRokokoBoneCount> world_from_bone;
+  const std::vector<Pose> world_from_bone = bones_.poses_of(kRokokoBones);
   for (std::size_t i = 0; i < kRokokoBoneCount; ++i) {
     const RokokoBone& bone = kRokokoBones[i];
-    if (bone.is_end) continue;
-    // Receivers expect every bone, so a missing one moves with its parent.
-    if (bones_.has(bone.bone)) {
-      world_from_bone[i] = bones_.world_from_bone(bone.bone);
-    } else if (bone.parent >= 0) {
-      world_from_bone[i] = world_from_bone[static_cast<std::size_t>(bone.parent)];
-    }
-    body[std::string(bone.name)] = bone_of(bone, world_from_bone[i]);
+    if (!bone.is_end) body[std::string(bone.name)] = bone_of(bone, world_from_bone[i]);
   }
   Json actor = {
       {"name", "retarget"},
@@ -364,12 +353,20 @@ Result<std::string> RokokoEncoder::frame(const Clip& clip, int frame) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_rokoko_decoder(const StreamAddress& from) {
-  return std::make_unique<RokokoDecoder>(from.extra("actor"), from.transport == Transport::kUdp);
-}
-
-std::unique_ptr<Encoder> make_rokoko_encoder() {
-  return std::make_unique<RokokoEncoder>();
+StreamFormat rokoko_format() {
+  static constexpr std::array kExtras = {
+      StreamExtra{"actor", "NAME", [](const std::string&) { return true; }}};
+  return {.name = "rokoko",
+          .description = "Rokoko Studio's custom streaming, JSON v3; ?actor=NAME selects an actor",
+          .port = 14043,
+          .is_text = false,
+          .decoder = [](const StreamAddress& from) -> std::unique_ptr<Decoder> {
+            return std::make_unique<RokokoDecoder>(from.extra("actor"),
+                                                   from.transport == Transport::kUdp);
+          },
+          .encoder = make_encoder<RokokoEncoder>,
+          .plays_human = [](const Clip&) { return true; },
+          .extras = kExtras};
 }
 
 }  // namespace retarget

@@ -24,25 +24,11 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kSmplLine = "the line";
 constexpr std::size_t kBodyNumbers = 3 * (kSmplJointCount - 1);
 constexpr std::size_t kHandNumbers = 3 * kSmplHandJointCount / 2;
 constexpr double kMaxAngle = 100.0;  // Rad; larger values are probably degrees.
 constexpr double kMaxPlace = 1e4;    // Metres.
 constexpr double kMaxBeta = 100.0;
-
-Failure bad_smpl_line(std::string message) {
-  return input_failure({}, std::move(message));
-}
-
-// Finds the first member with one of these names; null if there is none.
-const PacketJson* find_member(const PacketJson& line, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    const auto found = line.find(name);
-    if (found != line.end() && !found->is_null()) return &*found;
-  }
-  return nullptr;
-}
 
 // Appends the numbers of a list or of nested lists, such as one per joint.
 bool append_numbers(const PacketJson& json, double limit, int depth, std::vector<double>& numbers) {
@@ -62,7 +48,7 @@ Result<std::vector<double>> numbers_of(const PacketJson& json, const char* what,
   std::vector<double> numbers;
   if (!append_numbers(json, limit, 0, numbers) || numbers.size() < at_least ||
       numbers.size() > at_most) {
-    return bad_smpl_line(fmt::format(
+    return bad_packet(fmt::format(
         "{}: expected {} numbers within {}", what,
         at_least == at_most ? std::to_string(at_least) : fmt::format("{} to {}", at_least, at_most),
         limit));
@@ -86,12 +72,12 @@ Result<void> read_body(const PacketJson& line, ReceivedBody& body) {
   constexpr std::size_t kMaxBetas = 400;
   constexpr std::size_t kOffsetNumbers = 3 * kSmplJointCount, kMostJoints = 60;
   if (const PacketJson* up = find_member(line, {"up"})) {
-    if (*up != "y" && *up != "z") return bad_smpl_line("\"up\" must be \"y\" or \"z\"");
+    if (*up != "y" && *up != "z") return bad_packet("\"up\" must be \"y\" or \"z\"");
     body.y_is_up = *up == "y";
   }
   if (const PacketJson* height = find_member(line, {"height"})) {
     if (!height->is_number() || !is_human_height(height->get<double>())) {
-      return bad_smpl_line("\"height\" must be a human height in metres");
+      return bad_packet("\"height\" must be a human height in metres");
     }
     body.height = height->get<double>();
   }
@@ -105,7 +91,7 @@ Result<void> read_body(const PacketJson& line, ReceivedBody& body) {
     for (std::size_t i = 0; i < kOffsetNumbers; i += 3) places.push_back(vector_at(numbers, i));
     body.offsets = smpl_rest_body_of_offsets(places);
     if (!body.offsets) {
-      return bad_smpl_line("\"rest_offsets\" are not the joints of a body in T-pose, in metres");
+      return bad_packet("\"rest_offsets\" are not the joints of a body in T-pose, in metres");
     }
   }
   return {};
@@ -119,7 +105,7 @@ Result<SmplRestBody> received_rest_body(const ReceivedBody& told) {
   }
   const double height = told.height.value_or(smpl_height_of_betas(told.betas));
   if (!is_human_height(height))
-    return bad_smpl_line("the first of the \"betas\" is not that of a human");
+    return bad_packet("the first of the \"betas\" is not that of a human");
   return generic_smpl_rest_body(height);
 }
 
@@ -155,8 +141,7 @@ void SmplxDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton
 }
 
 Result<void> SmplxDecoder::take(std::string_view bytes, StreamSink& sink) {
-  RETARGET_TRY_ASSIGN(const PacketJson line, parse_packet_json(bytes, kSmplLine));
-  if (!line.is_object()) return bad_smpl_line("expected a JSON object per line");
+  RETARGET_TRY_ASSIGN(const PacketJson line, parse_json_line(bytes));
   const bool is_frame = find_member(line, {"global_orient", "root_orient", "body_pose", "pose_body",
                                            "poses", "transl", "trans"}) != nullptr;
   // A body is accepted once or from a separate line, because shape estimates change with every
@@ -208,7 +193,7 @@ Result<void> SmplxDecoder::read_rotations(const PacketJson& line) {
     const PacketJson* root = find_member(line, {"root_orient", "global_orient"});
     const PacketJson* body = find_member(line, {"pose_body", "body_pose"});
     if (root == nullptr || body == nullptr) {
-      return bad_smpl_line("a frame must have \"global_orient\" and \"body_pose\"");
+      return bad_packet("a frame must have \"global_orient\" and \"body_pose\"");
     }
     RETARGET_TRY_ASSIGN(numbers, numbers_of(*root, "\"global_orient\"", kMaxAngle, 3, 3));
     RETARGET_TRY_ASSIGN(const auto joints, numbers_of(*body, "\"body_pose\"", kMaxAngle,
@@ -228,13 +213,13 @@ Result<void> SmplxDecoder::read_rotations(const PacketJson& line) {
 Result<void> SmplxDecoder::take_frame(const PacketJson& line, StreamSink& sink) {
   RETARGET_TRY(read_rotations(line));
   const PacketJson* transl = find_member(line, {"transl", "trans"});
-  if (transl == nullptr) return bad_smpl_line("a frame must have \"transl\"");
+  if (transl == nullptr) return bad_packet("a frame must have \"transl\"");
   RETARGET_TRY_ASSIGN(const auto place, numbers_of(*transl, "\"transl\"", kMaxPlace, 3, 3));
   frame_.time = std::numeric_limits<double>::quiet_NaN();
   if (const PacketJson* time = find_member(line, {"time"})) {
     constexpr double kMaxTime = 1e12;
     if (!time->is_number() || std::abs(time->get<double>()) > kMaxTime) {
-      return bad_smpl_line("\"time\" must be a number of seconds");
+      return bad_packet("\"time\" must be a number of seconds");
     }
     frame_.time = time->get<double>();
   }
@@ -385,16 +370,12 @@ Result<std::string> SmplxEncoder::frame(const Clip& clip, int frame) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_smplx_decoder(const StreamAddress&) {
-  return std::make_unique<SmplxDecoder>();
-}
-
-std::unique_ptr<Encoder> make_smplx_encoder() {
-  return std::make_unique<SmplxEncoder>();
-}
-
-bool smplx_plays_human(const Clip& clip) {
-  return !is_smpl_motion(clip);
+StreamFormat smplx_format() {
+  return {.name = "smplx",
+          .description = "rotation vectors of SMPL-X, SMPL+H or SMPL, JSON, one object per line",
+          .decoder = make_decoder<SmplxDecoder>,
+          .encoder = make_encoder<SmplxEncoder>,
+          .plays_human = [](const Clip& clip) { return !is_smpl_motion(clip); }};
 }
 
 }  // namespace retarget

@@ -5,7 +5,6 @@
 #include <array>
 #include <utility>
 
-#include "live/stream/natnet_protocol.h"
 #include "retarget/serve.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -51,80 +50,10 @@ std::size_t Encoder::packet_size(std::string_view bytes) const {
   return end == std::string_view::npos ? bytes.size() : end + 1;
 }
 
-namespace {
-
-// For formats with fixed bones.
-bool always(const Clip&) {
-  return true;
-}
-
-bool is_anything(const std::string&) {
-  return true;
-}
-bool is_count(const std::string& value) {
+bool is_actor_number(const std::string& value) {
   const auto number = parse_number<int>(value);
   return number && *number >= 0;
 }
-bool is_frame_rate(const std::string& value) {
-  const auto number = parse_number<double>(value);
-  return number && *number > 0.0 && *number < 1e4;
-}
-bool is_natnet_version(const std::string& value) {
-  return natnet_version(value).has_value();
-}
-bool is_coordinates(const std::string& value) {
-  return value == "local" || value == "global";
-}
-
-constexpr auto kBvhExtras =
-    std::to_array<StreamExtra>({{"fps", "a number from 0 to 10000", is_frame_rate}});
-constexpr auto kRokokoExtras = std::to_array<StreamExtra>({{"actor", "NAME", is_anything}});
-constexpr auto kMvnExtras =
-    std::to_array<StreamExtra>({{"actor", "a whole number of at least 0", is_count}});
-constexpr auto kNatNetExtras = std::to_array<StreamExtra>(
-    {{"actor", "a whole number of at least 0", is_count},
-     {"version", "a NatNet version of at least 3.0, such as version=4.1", is_natnet_version},
-     {"coordinates", "local or global", is_coordinates}});
-
-// A skeleton's rows may arrive line by line in a datagram.
-constexpr std::size_t kBvhLines = 4096;
-
-constexpr auto kFormats = std::to_array<StreamFormat>({
-    {"lines", "JSON, one object per line: time, named joints with position and quaternion", 0, true,
-     make_line_decoder, make_line_encoder, nullptr, true},
-    {"bvh",
-     "motion rows of a BVH file as text, one per line; ?fps=N, because they have no timestamps",
-     1118, true, make_bvh_row_decoder, make_bvh_row_encoder, nullptr, false, 0, kBvhExtras,
-     kBvhLines},
-    {"vmc",
-     "VMC over OSC: bones of a VRM avatar, from Virtual Motion Capture, Waidayo, ...",
-     39539,
-     false,
-     make_vmc_decoder,
-     make_vmc_encoder,
-     always,
-     false,
-     0,
-     {},
-     64,
-     true},
-    {"rokoko", "Rokoko Studio's custom streaming, JSON v3; ?actor=NAME selects an actor", 14043,
-     false, make_rokoko_decoder, make_rokoko_encoder, always, false, 0, kRokokoExtras},
-    {"smplx", "rotation vectors of SMPL-X, SMPL+H or SMPL, JSON, one object per line", 0, true,
-     make_smplx_decoder, make_smplx_encoder, smplx_plays_human},
-    {"xrobot",
-     "body tracking of PICO and Quest headsets by XRoboToolkit: 24 poses, JSON, one object per "
-     "line",
-     0, true, make_xrobot_decoder, make_xrobot_encoder, always},
-    {"mvn", "Xsens MVN's network streamer, poses as quaternions; ?actor=N selects an actor", 9763,
-     false, make_mvn_decoder, make_mvn_encoder, plays_human_as_mvn, false, 0, kMvnExtras},
-    {"natnet",
-     "OptiTrack Motive, NatNet 3.0 to 4.x; ?server=ADDRESS for the skeleton, "
-     "?multicast=239.255.42.99, ?version=4.1, ?actor=N",
-     1511, false, make_natnet_decoder, make_natnet_encoder, nullptr, true, 1510, kNatNetExtras},
-});
-
-}  // namespace
 
 std::vector<InputFormat> input_formats() {
   std::vector<InputFormat> formats;
@@ -135,15 +64,19 @@ std::vector<InputFormat> input_formats() {
 }
 
 std::span<const StreamFormat> stream_formats() {
+  static const std::array kFormats = {line_format(),   bvh_row_format(), vmc_format(),
+                                      rokoko_format(), smplx_format(),   xrobot_format(),
+                                      mvn_format(),    natnet_format()};
   return kFormats;
 }
 
 Result<const StreamFormat*> find_stream_format(const std::string& name) {
-  if (name.empty()) return &kFormats.front();
-  const auto* const found = std::ranges::find(kFormats, name, &StreamFormat::name);
-  if (found != kFormats.end()) return found;
+  const std::span<const StreamFormat> formats = stream_formats();
+  if (name.empty()) return &formats.front();
+  const auto found = std::ranges::find(formats, name, &StreamFormat::name);
+  if (found != formats.end()) return &*found;
   std::vector<std::string> names;
-  for (const StreamFormat& format : kFormats) names.emplace_back(format.name);
+  for (const StreamFormat& format : formats) names.emplace_back(format.name);
   return usage_failure("unknown stream format \"" + name + "\"", did_you_mean(name, names));
 }
 

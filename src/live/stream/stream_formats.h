@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "live/stream/stream_address.h"
@@ -85,15 +86,20 @@ struct StreamExtra {
   bool (*is_valid)(const std::string& value) = nullptr;
 };
 
-/// A protocol for human motion. To add one, add a file in this folder and a row in
-/// stream_formats.cpp.
+/// A number of an actor from 0; an extra of several formats.
+[[nodiscard]] bool is_actor_number(const std::string& value);
+inline constexpr StreamExtra kActorNumber = {"actor", "a whole number of at least 0",
+                                             is_actor_number};
+
+/// A protocol for human motion. To add one, add a file in this folder that returns its row, and
+/// name it below and in stream_formats().
 struct StreamFormat {
   std::string_view name;         ///< `bvh`, `lines`
   std::string_view description;  ///< Human-readable, one line.
   int port = 0;                  ///< Default port of its senders; 0: none.
   bool is_text = true;           ///< Text lines: the bytes of a connection are split at line ends.
   std::unique_ptr<Decoder> (*decoder)(const StreamAddress& from) = nullptr;
-  std::unique_ptr<Encoder> (*encoder)() = nullptr;  ///< Null: cannot be played.
+  std::unique_ptr<Encoder> (*encoder)() = nullptr;
   /// Whether the encoder needs the canonical human of a clip (clip_of_human_bones) instead of the
   /// clip. Null: never.
   bool (*plays_human)(const Clip& clip) = nullptr;
@@ -116,27 +122,29 @@ struct StreamFormat {
 /// Name of the format that a packet appears to have, judged by its beginning; empty: unknown.
 [[nodiscard]] std::string_view likely_format(std::string_view packet);
 
-// Rows of the table of formats.
+[[nodiscard]] StreamFormat line_format();
+[[nodiscard]] StreamFormat bvh_row_format();
+[[nodiscard]] StreamFormat vmc_format();
+[[nodiscard]] StreamFormat rokoko_format();
+[[nodiscard]] StreamFormat smplx_format();
+[[nodiscard]] StreamFormat xrobot_format();
+[[nodiscard]] StreamFormat mvn_format();
+[[nodiscard]] StreamFormat natnet_format();
 
-[[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_line_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_vmc_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_rokoko_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_rokoko_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_smplx_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_smplx_encoder();
-[[nodiscard]] bool smplx_plays_human(const Clip& clip);
-[[nodiscard]] std::unique_ptr<Decoder> make_xrobot_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_xrobot_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_mvn_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_mvn_encoder();
-/// Whether a clip lacks MVN's segments, the unit or the up axis.
-[[nodiscard]] bool plays_human_as_mvn(const Clip& clip);
-[[nodiscard]] std::unique_ptr<Decoder> make_natnet_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_natnet_encoder();
+/// Functions of these rows. Most decoders do not depend on the address.
+template <typename Made>
+[[nodiscard]] std::unique_ptr<Decoder> make_decoder(const StreamAddress& /*from*/) {
+  return std::make_unique<Made>();
+}
+template <typename Made>
+[[nodiscard]] std::unique_ptr<Encoder> make_encoder() {
+  return std::make_unique<Made>();
+}
+
+/// The error of a packet that is not valid.
+[[nodiscard]] inline Failure bad_packet(std::string message) {
+  return input_failure({}, std::move(message));
+}
 
 /// Checks that a stream in a format can come from an address. Errors (kUsage): unsupported kind of
 /// address; parameters after `?` that neither the transport nor the format supports, or with

@@ -240,12 +240,17 @@ Result<std::string> VmcEncoder::frame(const Clip& clip, int frame) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress&) {
-  return std::make_unique<VmcDecoder>();
-}
-
-std::unique_ptr<Encoder> make_vmc_encoder() {
-  return std::make_unique<VmcEncoder>();
+StreamFormat vmc_format() {
+  return {.name = "vmc",
+          .description =
+              "VMC over OSC: bones of a VRM avatar, from Virtual Motion Capture, "
+              "Waidayo, ...",
+          .port = 39539,
+          .is_text = false,
+          .decoder = make_decoder<VmcDecoder>,
+          .encoder = make_encoder<VmcEncoder>,
+          .plays_human = [](const Clip&) { return true; },
+          .needs_packets = true};
 }
 
 }  // namespace retarget

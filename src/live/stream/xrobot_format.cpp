@@ -66,18 +66,7 @@ constexpr auto kXrobotJoints = std::to_array<XrobotJoint>({
 });
 constexpr std::size_t kXrobotJointCount = kXrobotJoints.size();
 
-constexpr const char* kXrobotLine = "the line";
-
 using PoseNumbers = std::array<double, 7>;  // x y z, x y z w
-
-Failure bad_xrobot_line(std::string message) {
-  return input_failure({}, std::move(message));
-}
-
-const PacketJson* xrobot_member(const PacketJson& json, const char* name) {
-  const auto found = json.find(name);
-  return found == json.end() || found->is_null() ? nullptr : &*found;
-}
 
 std::optional<PoseNumbers> numbers_of_list(const PacketJson& json) {
   PoseNumbers numbers{};
@@ -104,18 +93,18 @@ Result<Pose> world_from_xrobot_joint(const PacketJson& json, std::string_view jo
   if (json.is_array()) {
     found = numbers_of_list(json);
   } else if (json.is_object()) {
-    const PacketJson* pose = xrobot_member(json, "p");
+    const PacketJson* pose = find_member(json, {"p"});
     if (pose != nullptr && pose->is_string()) found = numbers_of_text(pose->get<std::string>());
   }
   // Negated, so that NaN fails.
   if (!found || !std::ranges::all_of(*found, [](double n) { return std::abs(n) < kMaxLength; })) {
-    return bad_xrobot_line(
+    return bad_packet(
         fmt::format("{}: expected seven numbers, position x y z and rotation x y z w", joint));
   }
   const auto& [x, y, z, qx, qy, qz, qw] = *found;
   const Eigen::Quaterniond rotation(qw, qx, qy, qz);
   if (rotation.norm() < kMinNorm) {
-    return bad_xrobot_line(fmt::format("{} is not tracked: its rotation is zero", joint));
+    return bad_packet(fmt::format("{} is not tracked: its rotation is zero", joint));
   }
   return Pose{rotation.normalized(), {x, y, z}};
 }
@@ -124,7 +113,7 @@ Result<Pose> world_from_xrobot_joint(const PacketJson& json, std::string_view jo
 double xrobot_time(const PacketJson& line, const PacketJson& body) {
   constexpr double kMaxTime = 1e12, kNanoseconds = 1e-9;
   const auto number = [](const PacketJson& json, const char* name) {
-    const PacketJson* found = xrobot_member(json, name);
+    const PacketJson* found = find_member(json, {name});
     return found != nullptr && found->is_number() ? std::optional(found->get<double>())
                                                   : std::nullopt;
   };
@@ -156,23 +145,22 @@ class XrobotDecoder final : public Decoder {
 };
 
 Result<void> XrobotDecoder::take(std::string_view bytes, StreamSink& sink) {
-  RETARGET_TRY_ASSIGN(const PacketJson line, parse_packet_json(bytes, kXrobotLine));
-  if (!line.is_object()) return bad_xrobot_line("expected a JSON object per line");
+  RETARGET_TRY_ASSIGN(const PacketJson line, parse_json_line(bytes));
   // The service wraps the client's object in a string.
-  const PacketJson* value = xrobot_member(line, "value");
+  const PacketJson* value = find_member(line, {"value"});
   if (value == nullptr || !value->is_string()) return take_object(line, sink);
   RETARGET_TRY_ASSIGN(const PacketJson inner,
                       parse_packet_json(value->get<std::string>(), "\"value\""));
-  if (!inner.is_object()) return bad_xrobot_line("\"value\" must be a JSON object");
+  if (!inner.is_object()) return bad_packet("\"value\" must be a JSON object");
   return take_object(inner, sink);
 }
 
 Result<void> XrobotDecoder::take_object(const PacketJson& line, StreamSink& sink) {
-  const PacketJson* inner = xrobot_member(line, "Body");
+  const PacketJson* inner = find_member(line, {"Body"});
   const PacketJson& body = inner != nullptr && inner->is_object() ? *inner : line;
-  const PacketJson* joints = xrobot_member(body, "joints");
+  const PacketJson* joints = find_member(body, {"joints"});
   if (joints == nullptr || !joints->is_array() || joints->size() != kXrobotJointCount) {
-    return bad_xrobot_line(
+    return bad_packet(
         fmt::format("expected \"joints\", a list of {} poses, or a \"Body\" with it; is full body "
                     "tracking enabled?",
                     kXrobotJointCount));
@@ -200,9 +188,9 @@ Result<void> XrobotDecoder::learn_skeleton(StreamSink& sink) {
   }
   for (const std::size_t i : kLongBones) {
     if (joints[i].offset.norm() > kShortest) continue;
-    return bad_xrobot_line(fmt::format("the body is not tracked yet: {} and {} are {:.2f} m apart",
-                                       joints[static_cast<std::size_t>(joints[i].parent)].name,
-                                       joints[i].name, joints[i].offset.norm()));
+    return bad_packet(fmt::format("the body is not tracked yet: {} and {} are {:.2f} m apart",
+                                  joints[static_cast<std::size_t>(joints[i].parent)].name,
+                                  joints[i].name, joints[i].offset.norm()));
   }
   has_skeleton_ = true;
   skeleton_.set_joints(std::move(joints), Eigen::Vector3d::UnitY(), true, sink);
@@ -238,16 +226,10 @@ Result<std::string> XrobotEncoder::frame(const Clip& clip, int frame) {
   constexpr double kWristToHand = 0.09;  // Metres, to the middle of the hand.
   bones_.set_frame(clip, frame);
   nlohmann::ordered_json joints = nlohmann::ordered_json::array();
-  std::array<Pose, kXrobotJointCount> world_from_joint;
+  const std::vector<Pose> world_from_bone = bones_.poses_of(kXrobotJoints);
   for (std::size_t i = 0; i < kXrobotJointCount; ++i) {
     const XrobotJoint& joint = kXrobotJoints[i];
-    Pose& pose = world_from_joint[i];
-    // A joint that the clip lacks moves with its parent.
-    if (bones_.has(joint.bone)) {
-      pose = in_y_up_world(with_z_behind(bones_.world_from_bone(joint.bone)));
-    } else if (joint.parent >= 0) {
-      pose = world_from_joint[static_cast<std::size_t>(joint.parent)];
-    }
+    Pose pose = in_y_up_world(with_z_behind(world_from_bone[i]));
     if (joint.is_end) {
       const double outwards = side_of(joint.bone) == Side::kLeft ? -kWristToHand : kWristToHand;
       pose.translation += pose.rotation * Eigen::Vector3d(outwards, 0.0, 0.0);
@@ -263,12 +245,14 @@ Result<std::string> XrobotEncoder::frame(const Clip& clip, int frame) {
 
 }  // namespace
 
-std::unique_ptr<Decoder> make_xrobot_decoder(const StreamAddress&) {
-  return std::make_unique<XrobotDecoder>();
-}
-
-std::unique_ptr<Encoder> make_xrobot_encoder() {
-  return std::make_unique<XrobotEncoder>();
+StreamFormat xrobot_format() {
+  return {.name = "xrobot",
+          .description =
+              "body tracking of PICO and Quest headsets by XRoboToolkit: 24 poses, "
+              "JSON, one object per line",
+          .decoder = make_decoder<XrobotDecoder>,
+          .encoder = make_encoder<XrobotEncoder>,
+          .plays_human = [](const Clip&) { return true; }};
 }
 
 }  // namespace retarget

@@ -1,8 +1,5 @@
 // Publishes robot frames over ZeroMQ. CMake defines RETARGET_HAS_ZEROMQ if libzmq is available.
 
-#include "live/stream/frame_output.h"
-#include "retarget/try.h"
-
 #ifdef RETARGET_HAS_ZEROMQ
 
 #include <fmt/format.h>
@@ -15,7 +12,9 @@
 #include <utility>
 
 #include "live/stream/controller_messages.h"
+#include "live/stream/frame_output.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -128,25 +127,6 @@ Result<std::unique_ptr<FrameOutput>> open_zmq_output(const StreamAddress& to,
   RETARGET_TRY_ASSIGN(Publisher publisher, Publisher::bind(to));
   context.tell("output", "publishing at " + publisher.place());
   return std::make_unique<SonicOutput>(std::move(publisher), std::move(message));
-}
-
-bool has_zmq_output() {
-  return true;
-}
-
-}  // namespace retarget
-
-#else
-
-namespace retarget {
-
-Result<std::unique_ptr<FrameOutput>> open_zmq_output(const StreamAddress& to,
-                                                     const FrameOutputContext& /*context*/) {
-  return lacks_library(to, "ZeroMQ", "libzmq3-dev");
-}
-
-bool has_zmq_output() {
-  return false;
 }
 
 }  // namespace retarget

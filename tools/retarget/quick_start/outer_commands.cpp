@@ -6,20 +6,13 @@
 
 #include "commands.h"
 #include "console.h"
+#include "declare.h"
 
 namespace retarget::cli {
 namespace {
 
-// Arguments of a command that only reports its absence.
-struct AbsentArguments {
-  CommonArguments common;
-  std::string name;
-};
-
-template <char const* const& kName>
-CLI::App* add_absent(CLI::App& app, AbsentArguments& arguments) {
-  arguments.name = kName;
-  CLI::App* command = app.add_subcommand(kName, "(not part of this build)");
+CLI::App* add_absent(CLI::App& app, const char* name) {
+  CLI::App* command = app.add_subcommand(name, "(not part of this build)");
   command->allow_extras();
   return command;
 }
@@ -28,31 +21,38 @@ Failure absent(const std::string& what) {
   return usage_failure("this build lacks " + what, "tools/demo.sh --all builds all commands");
 }
 
-Result<void> report_absent(const AbsentArguments& arguments, Console& /*console*/) {
-  return absent("retarget " + arguments.name);
-}
-
-constexpr const char* kBatch = "batch";
-constexpr const char* kEdit = "edit";
-constexpr const char* kLive = "live";
-constexpr const char* kRobots = "robots";
-
 }  // namespace
 
-void add_batch(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_absent<kBatch>, &report_absent);
+CLI::App* add_batch_command(CLI::App& app, BatchArguments& /*arguments*/) {
+  return add_absent(app, "batch");
 }
 
-void add_edit(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_absent<kEdit>, &report_absent);
+CLI::App* add_edit_command(CLI::App& app, EditArguments& /*arguments*/) {
+  return add_absent(app, "edit");
 }
 
-void add_live(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_absent<kLive>, &report_absent);
+CLI::App* add_live_command(CLI::App& app, LiveArguments& /*arguments*/) {
+  return add_absent(app, "live");
 }
 
-void add_robots(CLI::App& app, Commands& commands) {
-  commands.add(app, &add_absent<kRobots>, &report_absent);
+CLI::App* add_robots_command(CLI::App& app, RobotsArguments& /*arguments*/) {
+  return add_absent(app, "robots");
+}
+
+Result<ExitCode> batch(const BatchArguments& /*arguments*/, Console& /*console*/) {
+  return absent("retarget batch");
+}
+
+Result<void> edit(const EditArguments& /*arguments*/, Console& /*console*/) {
+  return absent("retarget edit");
+}
+
+Result<void> live(const LiveArguments& /*arguments*/, Console& /*console*/) {
+  return absent("retarget live");
+}
+
+Result<ExitCode> robots(const RobotsArguments& /*arguments*/, Console& /*console*/) {
+  return absent("retarget robots");
 }
 
 Result<void> view_gallery(const ViewArguments& /*arguments*/, Console& /*console*/) {

@@ -4,15 +4,9 @@
 
 #include <string>
 
-#include "retarget/option_table.h"
-#include "retarget/options.h"
 #include "retarget/report.h"
 
 namespace retarget::python {
-
-/// Returns the options of evaluate: limits, how to read the source, and whether to compute inverse
-/// dynamics.
-[[nodiscard]] OptionTable evaluate_table(Options& options, bool& dynamics);
 
 /// Reads gates from an argument. None: the defaults of the data folder; a dictionary or a file:
 /// changes to them; False: no gates. Raises UsageError or ConfigError.
