@@ -61,7 +61,7 @@ TEST(LostPoints, AreBridgedIfSeveralAreAtTheOrigin) {
     return motion;
   };
   JointMotion motion = near(going());
-  for (int frame = 5; frame < 15; ++frame) {
+  for (int frame = 7; frame < 13; ++frame) {
     for (int joint = 0; joint < 3; ++joint) lose(motion, frame, joint, 0.0);
   }
   bridge_lost_points(motion);

@@ -323,7 +323,7 @@ void note_rivals(const Shape& shape, BoneMap& map) {
     if (rival < kLikeALimb * limbs.reach) return;
     map.confidence *= kDoubtful;
     map.notes.push_back(fmt::format(
-        "two pairs of limbs hang from the {}, and the longer one was taken for the {}; if the "
+        "two pairs of limbs hang from the {}, and the longer one is assumed to be the {}; if the "
         "other one is right, give a bone map with " OPTION("map"),
         part, name));
   };
