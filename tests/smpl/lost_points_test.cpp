@@ -57,7 +57,7 @@ TEST(LostPoints, AreBridgedAndReported) {
 // Joints near the origin, which is a small jump from there.
 TEST(LostPoints, AreBridgedIfSeveralAreAtTheOrigin) {
   const auto near = [](JointMotion motion) {
-    for (Vector3d& place : motion.positions) place -= Vector3d(0.15, 0.2, 1.0);
+    for (Vector3d& place : motion.positions) place -= Vector3d(0.155, 0.25, 1.0);
     return motion;
   };
   JointMotion motion = near(going());
