@@ -158,6 +158,9 @@ struct BoneMap {
   std::vector<std::string> notes;  ///< Human-readable: missing or folded joints, assumptions.
   bool partial = false;            ///< Legs or arms are missing.
   SkeletonFacts facts;             ///< Facts from the profile; empty if no profile was recognised.
+  /// Joints whose position channels keep them at their parents in the whole clip, sorted. They may
+  /// be helpers (rotation_joint), as joints without position channels and OFFSET are.
+  std::vector<int> in_place;
 
   [[nodiscard]] int joint(Bone bone) const { return joint_of_bone[bone]; }
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
@@ -200,6 +203,11 @@ struct BoneSource {
   /// Origin of the bone in the frame of the position joint, in the source's unit. Empty: the origin
   /// of the joint.
   std::optional<Eigen::Vector3d> position_in_joint = std::nullopt;
+  /// Joint inside the bone, between its start and the next bone, that twists the far end; -1: none.
+  /// The bone then turns with this joint instead of rotation_joint, which turns its start.
+  int twist_joint = -1;
+  /// The bone's canonical axes in the frame of the twist joint.
+  Eigen::Quaterniond twist_from_bone = Eigen::Quaterniond::Identity();
 };
 
 /// Conversion of a source skeleton to the canonical human: metres, Z up, right-handed, LAFAN1's

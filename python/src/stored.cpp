@@ -64,6 +64,7 @@ Result<std::string> decisions_of(const Plan& plan) {
   archive(calibration.metres_per_unit, calibration.height, calibration.size);
   for (const BoneSource& bone : calibration.bones) {
     archive(bone.position_joint, bone.rotation_joint, bone.joint_from_bone, bone.position_in_joint);
+    if (bone.twist_joint >= 0) archive(bone.twist_joint, bone.twist_from_bone);
   }
   archive(plan.scene);
   for (const ObjectTrack& track : plan.object_tracks) {

@@ -369,10 +369,17 @@ Calibration mirrored_calibration(const Calibration& calibration, const BodyMirro
     const auto axes = [](const BoneSource& of) -> Eigen::Matrix3d {
       return of.joint_from_bone.value_or(Eigen::Quaterniond::Identity()).toRotationMatrix();
     };
-    const Eigen::Matrix3d image = body.mate_axes[from.rotation_joint] * axes(from) *
-                                  canonical_t_pose(bone).transpose() * across *
-                                  canonical_t_pose(mirrored(bone));
+    const auto image_of = [&](int joint, const Eigen::Matrix3d& joint_from_bone) {
+      return Eigen::Matrix3d(body.mate_axes[joint] * joint_from_bone *
+                             canonical_t_pose(bone).transpose() * across *
+                             canonical_t_pose(mirrored(bone)));
+    };
+    const Eigen::Matrix3d image = image_of(from.rotation_joint, axes(from));
     if ((image - axes(to)).norm() > kSame) to.joint_from_bone = Eigen::Quaterniond(image);
+    if (from.twist_joint >= 0 && to.twist_joint == body.mates[from.twist_joint]) {
+      to.twist_from_bone =
+          Eigen::Quaterniond(image_of(from.twist_joint, from.twist_from_bone.toRotationMatrix()));
+    }
   }
   return result;
 }

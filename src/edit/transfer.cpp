@@ -31,7 +31,7 @@ bool is_turned_or_moved(const Clip& clip, int joint) {
 // Marks the joints that define a bone's pose, including the helpers between them.
 void mark_joints(const BoneSource& bone, const Skeleton& skeleton, std::vector<bool>& marked) {
   marked[bone.rotation_joint] = marked[bone.position_joint] = true;
-  for (int joint = bone.rotation_joint; joint > bone.position_joint;) {
+  for (int joint = std::max(bone.rotation_joint, bone.twist_joint); joint > bone.position_joint;) {
     marked[joint] = true;
     joint = skeleton.joint(joint).parent;
   }
@@ -272,6 +272,13 @@ SharedJoints find_shared_joints(const Skeleton& source, const Calibration& calib
   const Eigen::Quaterniond human_from_source(calibration.human_from_source),
       human_from_target(target.calibration.human_from_source);
   SharedJoints shared{find_twins(source, skeleton), {}, {}};
+  // A bone's rotation includes the twist of the joints inside it.
+  for (const BoneSource& bone : target.calibration.bones) {
+    for (int joint = bone.twist_joint; joint > bone.rotation_joint;) {
+      shared.twins[joint] = -1;
+      joint = skeleton.joint(joint).parent;
+    }
+  }
   shared.world_turn = human_from_target.conjugate() * human_from_source;
   const auto bones = bones_of_joints(calibration, target);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {

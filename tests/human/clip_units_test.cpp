@@ -156,6 +156,42 @@ TEST(ClipUnits, WarnsAboutMovingFeetUnderAStaticRoot) {
   EXPECT_THAT(repair(still), IsEmpty());
 }
 
+std::vector<std::string> doubts_of_path(const Clip& clip) {
+  const BoneMap map = lafan1_map(clip.skeleton(), "test");
+  const auto doubt = doubt_root_path(clip, map, Eigen::Vector3d::UnitY());
+  return doubt ? std::vector<std::string>{doubt->message} : std::vector<std::string>();
+}
+
+TEST(ClipUnits, WarnsAboutAWrongPath) {
+  const Clip walk = sample_of("walk", true);
+  using Vector = Eigen::Vector3d;
+  for (const double factor : {0.5, 0.7, 1.5, 2.0}) {
+    const Clip scaled = with_root(
+        walk, [&](const Vector& at) { return Vector(factor * at.x(), at.y(), factor * at.z()); });
+    EXPECT_THAT(doubts_of_path(scaled),
+                ElementsAre(HasSubstr("horizontal path of the root is multiplied by")))
+        << factor;
+  }
+  const std::vector<std::function<Vector(const Vector&)>> wrong = {
+      [](const Vector& at) { return Vector(-at.x(), at.y(), -at.z()); },
+      [](const Vector& at) { return Vector(at.z(), at.y(), at.x()); }};
+  for (const auto& change : wrong) {
+    EXPECT_THAT(doubts_of_path(with_root(walk, change)),
+                ElementsAre(HasSubstr("mirrored or turned")));
+  }
+}
+
+TEST(ClipUnits, DoesNotDoubtRightPaths) {
+  for (const std::string& name : kSamplesInUnits) {
+    EXPECT_THAT(doubts_of_path(sample_of(name, true)), IsEmpty()) << name;
+  }
+  // Skaters and carried bodies.
+  const Clip glide = with_root(sample_of("wave", true), [frame = 0](const auto& at) mutable {
+    return Eigen::Vector3d(at.x() + 6.0 * ++frame, at.y(), at.z());
+  });
+  EXPECT_THAT(doubts_of_path(glide), IsEmpty());
+}
+
 // A person in a headstand sways: the feet move, the hips hardly do.
 TEST(ClipUnits, IgnoresFeetThatDoNotCarryTheBody) {
   const Clip wave = sample_of("wave", true);
@@ -212,6 +248,7 @@ TEST(ClipUnits, DoesNotChangeRecordings) {
     const Eigen::Vector3d up =
         calibrate(clip, map, {}).value().human_from_source.row(2).transpose();
     EXPECT_FALSE(find_missing_root(clip, map, up)) << name;
+    EXPECT_FALSE(doubt_root_path(clip, map, up)) << name;
   }
 }
 

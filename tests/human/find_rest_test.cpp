@@ -113,6 +113,41 @@ TEST(RestEvidence, FeetStandOnTheFloor) {
   }
 }
 
+// The positions of the joints in a T-pose, in position channels, below OFFSETs of another pose.
+TEST(RestEvidence, UsesConstantPositionsInsteadOfOffsets) {
+  const Clip clip = with_zero_shape(window_of("wave", 0, 120), {});
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    if (joint.parent < 0) continue;
+    joint.offset.setZero();
+    joint.channels.insert(joint.channels.begin(),
+                          {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition});
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
+    for (int joint = 0; joint < twin.skeleton().joint_count(); ++joint) {
+      twin.translations(frame)[joint] = clip.translation(frame, joint);
+    }
+  }
+  const Calibration found = rest_found(twin);
+  EXPECT_EQ(found.rest_pose, "zero pose");
+  EXPECT_LT(mean_turn(to_human(twin, found), to_human(clip, rest_found(clip)), kBodyBones), 1e-3);
+}
+
+// An exporter has turned the whole zero pose, and the motion with it.
+TEST(RestEvidence, UsesAZeroPoseThatIsTurnedAsAWhole) {
+  const Clip clip = with_zero_shape(window_of("wave", 0, 120), {});
+  const Eigen::Quaterniond turn(
+      Eigen::AngleAxisd(0.25 * M_PI, Eigen::Vector3d(1.0, 0.0, 0.3).normalized()));
+  std::vector<Eigen::Quaterniond> turns(static_cast<std::size_t>(clip.skeleton().joint_count()),
+                                        turn);
+  const Clip twin = with_other_axes(clip, turns);
+  const Calibration found = rest_found(twin);
+  EXPECT_EQ(found.rest_pose, "zero pose");
+  EXPECT_LT(mean_turn(to_human(twin, found), to_human(clip, rest_found(clip)), kBodyBones), 3.0);
+}
+
 TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
   ZeroShape crouch;
   crouch.lean = 30.0;

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "formats/bvh/read_bvh.h"
@@ -9,6 +10,7 @@
 #include "human/skeleton/calibrate.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
+#include "retarget/plan.h"
 #include "support/recorded_clip.h"
 
 namespace retarget {
@@ -135,6 +137,113 @@ TEST(HelperJoints, RotateTheirBoneByDialect) {
 
 TEST(HelperJoints, RotateTheirBoneByShape) {
   expect_same_human(with_t_pose_as_zero(recorded_clip("walk")), Way::kShape);
+}
+
+// All joints with position channels. Those of the helpers are zero up to `noise`, in file units.
+Clip with_position_channels(const Clip& clip, double noise) {
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    if (joint.has_position_channels()) continue;
+    joint.channels.insert(joint.channels.begin(),
+                          {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition});
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
+    for (int joint = 0; joint < twin.skeleton().joint_count(); ++joint) {
+      const double moved = joint == 0 ? 0.0 : noise * (frame % 3 - 1);
+      twin.translations(frame)[joint] =
+          clip.translation(frame, joint) + Eigen::Vector3d(moved, -moved, moved);
+    }
+  }
+  return twin;
+}
+
+TEST(HelperJoints, MayHavePositionChannels) {
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
+  const HumanClip expected = human_in(clip, Way::kNames).value();
+  for (const double noise : {0.0, 0.001}) {
+    Clip twin = with_position_channels(
+        with_split_joints(clip, {"LeftArm", "RightArm", "LeftLeg"}, 0.0, Named::kUpper), noise);
+    const auto found = find_human(twin, HumanOptions{}, RETARGET_SOURCE_DIR);
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_THAT(found->calibration.doubts, testing::IsEmpty());
+    EXPECT_LT(largest_turn_of(to_human(twin, found->calibration), expected), 0.1) << noise;
+  }
+}
+
+// The same movement with joints in the middle of bones, which take a share of the bones' twist.
+Clip with_twist_joints(const Clip& clip, const std::vector<std::string>& ends, double share) {
+  const Skeleton& old = clip.skeleton();
+  std::vector<Joint> joints;
+  std::vector<int> place(old.joint_count()), twist(old.joint_count(), -1);
+  for (int i = 0; i < old.joint_count(); ++i) {
+    Joint joint = old.joint(i);
+    if (joint.parent >= 0) joint.parent = place[joint.parent];
+    if (std::ranges::find(ends, joint.name) != ends.end()) {
+      joint.offset *= 0.5;
+      Joint middle = joint;
+      middle.name = "twist" + std::to_string(i);
+      middle.end_sites.clear();
+      twist[old.joint(i).parent] = static_cast<int>(joints.size());
+      joint.parent = static_cast<int>(joints.size());
+      joints.push_back(middle);
+    }
+    place[i] = static_cast<int>(joints.size());
+    joints.push_back(joint);
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (int i = 0; i < old.joint_count(); ++i) {
+      const Eigen::Quaterniond turn = clip.rotations(frame)[i];
+      twin.rotations(frame)[place[i]] = turn;
+      if (twist[i] < 0) continue;
+      const Eigen::Vector3d axis = joints[twist[i]].offset.normalized();
+      Eigen::Quaterniond about(turn.w(), 0.0, 0.0, 0.0);
+      about.vec() = axis * axis.dot(turn.vec());
+      about = Eigen::Quaterniond::Identity().slerp(share, about.normalized());
+      twin.rotations(frame)[place[i]] = (turn * about.conjugate()).normalized();
+      twin.rotations(frame)[twist[i]] = about;
+    }
+    twin.translations(frame)[0] = clip.translations(frame)[0];
+  }
+  return twin;
+}
+
+const std::vector<std::string> kTwistedEnds = {"LeftForeArm", "RightForeArm", "LeftHand",
+                                               "RightHand",   "LeftLeg",      "RightLeg",
+                                               "LeftFoot",    "RightFoot"};
+
+TEST(TwistJoints, TwistTheirBone) {
+  for (const char* name : {"walk", "wave"}) {
+    const Clip clip = with_t_pose_as_zero(recorded_clip(name));
+    const HumanClip expected = human_in(clip, Way::kNames).value();
+    for (const double share : {0.0, 0.5, 1.0}) {
+      const auto found = human_in(with_twist_joints(clip, kTwistedEnds, share), Way::kNames);
+      ASSERT_TRUE(found) << describe(found.error());
+      EXPECT_LT(largest_turn_of(*found, expected), 0.1) << name << " " << share;
+    }
+  }
+}
+
+// A joint that bends a bone, as a tentacle has, does not twist it.
+TEST(TwistJoints, DoNotBend) {
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
+  Clip twin = with_twist_joints(clip, {"LeftForeArm"}, 0.0);
+  const auto count = static_cast<std::size_t>(twin.skeleton().joint_count());
+  std::size_t middle = 0;
+  while (middle < count &&
+         !twin.skeleton().joint(static_cast<int>(middle)).name.starts_with("tw")) {
+    ++middle;
+  }
+  ASSERT_LT(middle, count);
+  for (int frame = 0; frame < twin.frame_count(); frame += 2) {
+    twin.rotations(frame)[middle] =
+        Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()));
+  }
+  const BoneMap map = recognise_skeleton(twin, {}).value();
+  const Calibration found = calibrate(twin, map, {}).value();
+  EXPECT_EQ(found.bones[Bone::kLeftArm].twist_joint, -1);
 }
 
 // Each step has a constant cost for any chain length: a search over all joints would run into the

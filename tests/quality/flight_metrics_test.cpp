@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "human/gait/contact_plan.h"
+#include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
 #include "retarget/human_skeleton.h"
 #include "support/test_robots.h"
@@ -124,7 +125,7 @@ TEST(MissingSurfaces, AreThoseThatOnlyTheSourceStandsOn) {
   const QualityOptions options;
   const auto missing = [&](const std::vector<char>& touches_scene) {
     QualityReport report;
-    measure_missing_surfaces({clip, options, report}, contacts, 150, touches_scene);
+    measure_missing_surfaces({clip, options, report}, contacts, 150, {}, touches_scene);
     return report.find("missing_surface_pct")->value;
   };
   EXPECT_NEAR(missing({}), 60.0, 3.0);
@@ -142,7 +143,7 @@ double missing_under_toe(const std::vector<ContactPhase>& phases,
   const RobotClip clip(load_g1(), {30, 1}, 100);
   QualityReport report;
   const QualityOptions options;
-  measure_missing_surfaces({clip, options, report}, contacts, 100, {});
+  measure_missing_surfaces({clip, options, report}, contacts, 100, {}, {});
   return report.find("missing_surface_pct")->value;
 }
 
@@ -170,6 +171,43 @@ TEST(MissingSurfaces, OfFewKnownFramesCountLittle) {
   EXPECT_NEAR(missing_under_toe({{40, 42, 0.3}, {80, 82, 0.0}}), 8.0, 1e-9);
   EXPECT_NEAR(missing_under_toe({{40, 41, 0.3}}), 4.0, 1e-9);
   EXPECT_NEAR(missing_under_toe({{40, 65, 0.3}}), 100.0, 1e-9);
+}
+
+// Stands for 60 frames, then sits on a chair: the thighs are level, and the feet are ahead.
+HumanClip sitting_down(int frames) {
+  HumanClip human = raised_human(
+      frames, [](int) { return 0.0; }, [](int) { return 0.0; });
+  for (int frame = 60; frame < frames; ++frame) {
+    HumanPose& pose = human.world_from_bone[static_cast<std::size_t>(frame)];
+    for (const Bone bone : {Bone::kHips, Bone::kLeftUpLeg, Bone::kRightUpLeg}) {
+      pose[bone].translation += Eigen::Vector3d(-0.43, 0.0, -0.43);
+    }
+  }
+  for (HumanPose& pose : human.world_from_bone) {
+    for (const Bone bone : kAllBones) pose[bone].rotation = canonical_t_pose(bone);
+  }
+  return human;
+}
+
+TEST(MissingSurfaces, MayBeSeats) {
+  const HumanClip human = sitting_down(120);
+  const ContactPlan contacts = find_contacts(human);
+  const auto seats = find_seats(human, poses_of(human), contacts);
+  ASSERT_EQ(seats.size(), 1U);
+  EXPECT_NEAR(seats[0].frames.begin, 61, 2);
+  EXPECT_EQ(seats[0].frames.end, 120);
+  EXPECT_NEAR(seats[0].height, 0.39, 0.03);
+  const RobotClip clip(load_g1(), {30, 1}, 120);
+  const QualityOptions options;
+  const auto missing = [&](const std::vector<SeatRest>& found, const std::vector<char>& touches) {
+    QualityReport report;
+    measure_missing_surfaces({clip, options, report}, contacts, 120, found, touches);
+    return report.find("missing_surface_pct")->value;
+  };
+  EXPECT_EQ(missing({}, {}), 0.0);
+  EXPECT_NEAR(missing(seats, {}), 49.0, 2.0);
+  // The robot touches a chair of the scene.
+  EXPECT_EQ(missing(seats, std::vector<char>(120, 1)), 0.0);
 }
 
 // The faster the root rises, the fewer contacts of a runner's feet are found.

@@ -54,6 +54,23 @@ TEST(LostPoints, AreBridgedAndReported) {
   }
 }
 
+// Joints near the origin, which is a small jump from there.
+TEST(LostPoints, AreBridgedIfSeveralAreAtTheOrigin) {
+  const auto near = [](JointMotion motion) {
+    for (Vector3d& place : motion.positions) place -= Vector3d(0.155, 0.25, 1.0);
+    return motion;
+  };
+  JointMotion motion = near(going());
+  for (int frame = 7; frame < 13; ++frame) {
+    for (int joint = 0; joint < 3; ++joint) lose(motion, frame, joint, 0.0);
+  }
+  bridge_lost_points(motion);
+  for (int joint = 0; joint < 3; ++joint) {
+    const Vector3d apart = motion.position(10, joint) - near(going()).position(10, joint);
+    EXPECT_LT(apart.norm(), 1e-12) << joint;
+  }
+}
+
 TEST(LostPoints, KeepTheirNearestPlaceAtTheEnds) {
   JointMotion motion = going();
   for (const int frame : {0, 1, kFramesWithGaps - 1}) lose(motion, frame, 1, 0.0);

@@ -18,6 +18,7 @@
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
 #include "human/skeleton/limb_directions.h"
+#include "human/skeleton/posed_body.h"
 #include "human/skeleton/recognise.h"
 #include "human/skeleton/robot_human.h"
 #include "human/skeleton/units.h"
@@ -149,13 +150,16 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
   }
   TRY_ASSIGN(const CalibrationOptions how, calibration_options(options, clip));
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
+  map.in_place = joints_in_place(clip);
   // Properties in the file override those of its kind.
   if (clip.origin().metres_per_unit) map.facts.metres_per_unit = clip.origin().metres_per_unit;
   std::vector<Warning> unit_doubts = repair_clip_units(clip, map);
   const auto doubt = let_directions_win(clip, map);
   TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how));
   const Eigen::Vector3d up = calibration.human_from_source.row(2).transpose();
-  if (auto missing = find_missing_root(clip, map, up)) unit_doubts.push_back(*std::move(missing));
+  auto root_doubt = find_missing_root(clip, map, up);
+  if (!root_doubt && unit_doubts.empty()) root_doubt = doubt_root_path(clip, map, up);
+  if (root_doubt) unit_doubts.push_back(*std::move(root_doubt));
   auto& doubts = calibration.doubts;
   if (const auto twisted = let_bends_win(clip, map, calibration)) doubts.push_back(*twisted);
   if (doubt) doubts.insert(doubts.begin(), *doubt);

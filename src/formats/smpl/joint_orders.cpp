@@ -131,15 +131,40 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Whether a joint is at the origin in a few frames. A joint that is often there belongs there.
+bool leaves_origin(const JointMotion& motion, int joint) {
+  constexpr int kShare = 3;
+  int zeros = 0;
+  for (int frame = 0; frame < motion.frame_count; ++frame) {
+    zeros += motion.position(frame, joint) == Vector3d::Zero() ? 1 : 0;
+  }
+  return kShare * zeros < motion.frame_count;
+}
+
+// Marks the frames in which several joints that leave the origin are exactly there. No joints of a
+// person are at the same place, so all of them are lost.
+std::vector<char> frames_at_origin(const JointMotion& motion) {
+  constexpr int kFewest = 3;
+  std::vector<int> counts(static_cast<std::size_t>(motion.frame_count));
+  for (int joint = 0; joint < motion.joint_count; ++joint) {
+    if (!leaves_origin(motion, joint)) continue;
+    for (int frame = 0; frame < motion.frame_count; ++frame) {
+      const bool is_there = motion.position(frame, joint) == Vector3d::Zero();
+      counts[static_cast<std::size_t>(frame)] += is_there ? 1 : 0;
+    }
+  }
+  std::vector<char> marks;
+  for (const int count : counts) marks.push_back(count >= kFewest ? 1 : 0);
+  return marks;
+}
+
 class LostPoints {
  public:
-  LostPoints(JointMotion& motion, int joint) : motion_(motion), joint_(joint) {
-    int zeros = 0;
-    for (int frame = 0; frame < motion.frame_count; ++frame) zeros += is_zero(frame) ? 1 : 0;
-    // A joint that is often at the origin belongs there.
-    constexpr int kShare = 3;
-    zeros_are_lost_ = kShare * zeros < motion.frame_count;
-  }
+  LostPoints(JointMotion& motion, int joint, const std::vector<char>& at_origin)
+      : motion_(motion),
+        joint_(joint),
+        at_origin_(at_origin),
+        zeros_are_lost_(leaves_origin(motion, joint)) {}
 
   // Returns the number of lost frames.
   int bridge() {
@@ -156,7 +181,8 @@ class LostPoints {
       const Vector3d before = place(begin - 1), after = place(end);
       const double jump = std::min(before.norm(), after.norm());
       const bool has_numbers = place(begin).allFinite();
-      if (has_numbers && !(jump > 2.0 * (after - before).norm())) continue;
+      if (has_numbers && !is_certain(begin, end) && !(jump > 2.0 * (after - before).norm()))
+        continue;
       for (int frame = begin; frame < end; ++frame) {
         const double share = (frame - begin + 1.0) / (end - begin + 1.0);
         motion_.positions[motion_.index(frame, joint_)] = before + share * (after - before);
@@ -177,12 +203,20 @@ class LostPoints {
         std::clamp(begin == 0 ? nearest + length : nearest - length, 0, motion_.frame_count - 1);
     const Vector3d kept = place(nearest);
     if (!place(begin).allFinite() || !place(end - 1).allFinite()) return 0;
-    if (!may_be_lost(other) && !(kept.norm() > 2.0 * (place(other) - kept).norm())) return 0;
-    if (!jumps_alone(nearest, last)) return 0;
+    if (!is_certain(begin, end) && !may_be_lost(other) &&
+        !(kept.norm() > 2.0 * (place(other) - kept).norm()))
+      return 0;
+    if (!is_certain(begin, end) && !jumps_alone(nearest, last)) return 0;
     for (int frame = begin; frame < end; ++frame) {
       motion_.positions[motion_.index(frame, joint_)] = kept;
     }
     return length;
+  }
+
+  // Whether other joints are at the origin, too, in all of these frames.
+  [[nodiscard]] bool is_certain(int begin, int end) const {
+    return std::find(at_origin_.begin() + begin, at_origin_.begin() + end, 0) ==
+           at_origin_.begin() + end;
   }
 
   // Whether most other joints move much less: a calibration pose at the origin is a jump of all.
@@ -204,16 +238,18 @@ class LostPoints {
 
   JointMotion& motion_;
   int joint_;
-  bool zeros_are_lost_ = false;
+  const std::vector<char>& at_origin_;
+  bool zeros_are_lost_;
 };
 
 }  // namespace
 
 void bridge_lost_points(JointMotion& motion) {
+  const std::vector<char> at_origin = frames_at_origin(motion);
   std::vector<std::string> joints;
   int most = 0;
   for (int joint = 0; joint < motion.joint_count; ++joint) {
-    const int lost = LostPoints(motion, joint).bridge();
+    const int lost = LostPoints(motion, joint, at_origin).bridge();
     if (lost == 0) continue;
     const auto at = static_cast<std::size_t>(joint);
     joints.push_back(at < motion.names.size() ? motion.names[at] : std::to_string(joint));

@@ -12,6 +12,7 @@
 #include "base/math/convex_hull.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/frame_runs.h"
+#include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/standing_heights.h"
 #include "human/skeleton/human_clip.h"
@@ -54,16 +55,12 @@ constexpr double kLowestSurface = 0.06;  // The least height of a surface.
 constexpr double kAlone = 0.1;           // Seconds in which a foot carries the body.
 constexpr double kHalfFoot = 0.05;       // Half the width of a foot.
 constexpr double kHeelLength = 0.05, kToeLength = 0.07;  // Beyond ankle and start of the toes.
-constexpr double kStillSpeed = 0.12;                     // Of resting hips and hands.
 constexpr double kShortestRest = 0.5;                    // Seconds.
-constexpr double kLevelThigh = 0.6;  // Greatest sine of the slope of a sitting body's thigh.
-constexpr double kBehindFeet = 0.2;  // Of sitting hips.
-constexpr double kSeatDepth = 0.13;  // From the joint of the hips to the skin.
-constexpr double kHalfSeat = 0.15;   // Half the width of a seat.
-constexpr double kLowestSeat = 0.2, kLowestHand = 0.2;  // Lower hips rest on the floor.
-constexpr double kHandStays = 0.02;                     // Maximum movement of a resting hand.
-constexpr double kShoulderMoves = 0.1;                  // Minimum movement of its shoulder.
-constexpr double kHandDepth = 0.03;                     // From the wrist to the skin.
+constexpr double kHalfSeat = 0.15;                       // Half the width of a seat.
+constexpr double kLowestHand = 0.2;
+constexpr double kHandStays = 0.02;     // Maximum movement of a resting hand.
+constexpr double kShoulderMoves = 0.1;  // Minimum movement of its shoulder.
+constexpr double kHandDepth = 0.03;     // From the wrist to the skin.
 constexpr double kHalfHand = 0.08;
 
 // The corners of a sole in the middle of a stance.
@@ -129,45 +126,12 @@ class RestFinder {
     }
   }
 
-  // Whether the body sits in a frame: its thighs are level, and its hips are behind the feet.
-  [[nodiscard]] bool sits(int frame) const {
-    const Vector3d hips = place(Bone::kHips, frame);
-    const double height = hips.z() - floor_;
-    if (height < kLowestSeat * scale_ || height > 0.8 * kUsualSourceLeg * scale_) return false;
-    double nearest = 1e9;
-    for (const Side side : kSides) {
-      const Vector3d thigh = place(side_bone(side, LimbBone::kLeg), frame) -
-                             place(side_bone(side, LimbBone::kUpLeg), frame);
-      if (!(std::abs(thigh.z()) <= kLevelThigh * thigh.norm())) return false;
-      const Vector3d foot = place(side_bone(side, LimbBone::kFoot), frame);
-      nearest = std::min(nearest, (foot - hips).head<2>().norm());
-    }
-    return nearest >= kBehindFeet * scale_;
-  }
-
-  [[nodiscard]] double speed(Bone bone, int frame) const {
-    const int from = std::max(0, frame - 1), to = std::min(human_.frame_count - 1, frame + 1);
-    return (place(bone, to) - place(bone, from)).norm() / (frame_time() * std::max(1, to - from));
-  }
-
   void add_seats() {
-    if (!human_.has(Bone::kHips) || feet_.foot_count < 2) return;
-    const auto rests = [&](int frame) {
-      return speed(Bone::kHips, frame) < kStillSpeed * scale_ && sits(frame);
-    };
-    for_each_run_where(0, human_.frame_count, rests, [&](int begin, int end) {
-      if ((end - begin) * frame_time() < kShortestRest) return;
-      std::vector<double> heights;
-      Vector2d middle = Vector2d::Zero();
-      for (int frame = begin; frame < end; ++frame) {
-        const Vector3d hips = place(Bone::kHips, frame);
-        heights.push_back(hips.z() - kSeatDepth * scale_);
-        middle += hips.head<2>() / (end - begin);
-      }
-      RaisedRest rest{RestKind::kSeat, {begin, end}, median_in_place(heights), {}};
-      add_square(middle, kHalfSeat * scale_, rest.outline);
+    for (const SeatRest& seat : find_seats(human_, poses_of(human_), contacts_)) {
+      RaisedRest rest{RestKind::kSeat, seat.frames, seat.height, {}};
+      add_square(seat.middle, kHalfSeat * scale_, rest.outline);
       rests_.push_back(std::move(rest));
-    });
+    }
   }
 
   // Grows a run of frames in which the hand stays near its place in the first one.

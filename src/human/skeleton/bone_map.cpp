@@ -26,6 +26,7 @@ class HelperChain {
  public:
   HelperChain(const BoneMap& map, const Skeleton& skeleton)
       : skeleton_(skeleton),
+        in_place_(map.in_place),
         children_(static_cast<std::size_t>(skeleton.joint_count())),
         carried_(children_.size()),
         bones_at_(children_.size()),
@@ -73,15 +74,16 @@ class HelperChain {
   // Returns whether a child at the joint's position rotates all bones below the joint.
   bool stands_for(int child, int joint) const {
     const Joint& candidate = skeleton_.joint(child);
-    if (candidate.offset.norm() > min_extent_ || candidate.has_position_channels() ||
-        bones_at_[child] > 0) {
-      return false;
-    }
+    const bool is_displaced = candidate.has_position_channels()
+                                  ? !std::ranges::binary_search(in_place_, child)
+                                  : candidate.offset.norm() > min_extent_;
+    if (is_displaced || bones_at_[child] > 0) return false;
     const int below = carried_[joint] - bones_at_[joint];
     return carried_[child] == below && (below > 0 || has_extent_[child]);
   }
 
   const Skeleton& skeleton_;
+  const std::vector<int>& in_place_;
   std::vector<std::vector<int>> children_;  // In reverse file order.
   std::vector<int> carried_;                // Number of bones at and below a joint.
   std::vector<int> bones_at_;

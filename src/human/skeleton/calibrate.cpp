@@ -17,6 +17,7 @@
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/rest_pose.h"
 #include "human/skeleton/stated_axes.h"
+#include "human/skeleton/twist_joints.h"
 #include "human/skeleton/units.h"
 #include "human/skeleton/up_axis.h"
 #include "human/skeleton/up_evidence.h"
@@ -158,6 +159,11 @@ class Calibrator {
     movement_.lead_in = count_lead_in_frames(clip_);
     movement_.frames = sampled_frames(clip_, movement_.lead_in);
     for (const int frame : movement_.frames) movement_.poses.push_back(frame_pose(clip_, frame));
+    starts_ = body_.turning_joints();
+    twist_joints_ = find_twist_joints(body_, movement_.poses);
+    for (const Bone bone : kMappedBones) {
+      if (twist_joints_[bone] >= 0) body_.turn_by(bone, twist_joints_[bone]);
+    }
     UpChoice up = find_up();
     movement_.up = up.axis;
     if (options_.up) {
@@ -174,8 +180,10 @@ class Calibrator {
     // A skeleton made from joint positions has the axes of the body, not those of a kind of file.
     const bool is_made = !clip_.origin().unknown_rotations.empty();
     if (map_.facts.up && !is_made) known.of_kind = nearest_axis(*map_.facts.up);
+    constexpr double kAlongAxis = 0.94;  // Cosine of 20 degrees.
     if (const auto zero = zero_candidate(rest());
-        zero && !is_made && is_well_formed(body_, *zero)) {
+        zero && !is_made && is_well_formed(body_, *zero) &&
+        zero->axes.row(2).cwiseAbs().maxCoeff() > kAlongAxis) {
       known.of_zero_pose = nearest_axis(zero->axes.row(2));
     }
     known.of_fall = free_fall_axis(clip_, body_, movement_.lead_in);
@@ -282,6 +290,7 @@ class Calibrator {
       result.size = height_of_legs(body_, zero) * unit.metres;
     }
     complete_ends(zero, result.bones);
+    split_twists(twist_joints_, starts_, zero, result.bones);
     result.human_from_source = z_up_from_file(options_.up.value_or(movement_.up.direction()));
     if (const auto best = best_frame(rest())) {
       result.forward = nearest_axis(best->second.axes.row(0));
@@ -316,6 +325,9 @@ class Calibrator {
     result.metres_per_unit = unit.metres;
     result.human_from_source = z_up_from_file(options_.up.value_or(movement_.up.direction()));
     result.bones = bone_sources(body_, found.axes, posed.pose);
+    // Learned axes belong to no pose. Twist joints then have no twist if they do not rotate.
+    const bool is_learned = result.rest_pose == "learned";
+    split_twists(twist_joints_, starts_, is_learned ? zero_pose(clip_) : posed.pose, result.bones);
     const double height = estimated_height(body_, posed.pose) * unit.metres;
     result.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
     const double by_legs = height_of_legs(body_, posed.pose) * unit.metres;
@@ -369,6 +381,7 @@ class Calibrator {
   const BoneMap& map_;
   const CalibrationOptions& options_;
   Body body_;
+  BoneArray<int> starts_, twist_joints_;  // Joints that turn bones at their start and inside.
   Movement movement_;
   std::vector<Warning> doubts_;
   std::string evidence_;  // for the rest pose

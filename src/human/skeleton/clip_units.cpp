@@ -9,6 +9,7 @@
 #include <numbers>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "formats/bvh/euler_angles.h"
 #include "human/skeleton/up_evidence.h"
@@ -32,7 +33,13 @@ class FootSteps {
 
   [[nodiscard]] bool empty() const { return steps_.empty(); }
   // Mean speed of the slowest ankle or toe with a scaled root translation, legs per second.
-  [[nodiscard]] double slowest_foot(double root_scale) const;
+  // @param root_scale  a number or a matrix
+  template <typename Scale>
+  [[nodiscard]] double slowest_foot(const Scale& root_scale) const {
+    double sum = 0.0;
+    for (const auto& step : steps_) sum += slowest_in(step, root_scale);
+    return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
+  }
   // Median over the steps of the speed of the slowest ankle or toe.
   [[nodiscard]] double usual_slowest_foot() const;
   // Mean speed of the root, legs per second.
@@ -45,7 +52,15 @@ class FootSteps {
   struct FootStep {
     Eigen::Vector3d by_root, by_others;
   };
-  [[nodiscard]] static double slowest_in(const std::vector<FootStep>& step, double root_scale);
+  template <typename Scale>
+  [[nodiscard]] static double slowest_in(const std::vector<FootStep>& step,
+                                         const Scale& root_scale) {
+    double slowest = std::numeric_limits<double>::infinity();
+    for (const FootStep& foot : step) {
+      slowest = std::min(slowest, (root_scale * foot.by_root + foot.by_others).norm());
+    }
+    return slowest;
+  }
 
   std::vector<std::vector<FootStep>> steps_;  // One per time step and foot.
   double fold_ = 0.0;
@@ -149,20 +164,6 @@ FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>&
     }
     steps_.push_back(std::move(step));
   }
-}
-
-double FootSteps::slowest_in(const std::vector<FootStep>& step, double root_scale) {
-  double slowest = std::numeric_limits<double>::infinity();
-  for (const FootStep& foot : step) {
-    slowest = std::min(slowest, (root_scale * foot.by_root + foot.by_others).norm());
-  }
-  return slowest;
-}
-
-double FootSteps::slowest_foot(double root_scale) const {
-  double sum = 0.0;
-  for (const auto& step : steps_) sum += slowest_in(step, root_scale);
-  return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
 }
 
 double FootSteps::usual_slowest_foot() const {
@@ -361,6 +362,24 @@ std::optional<Warning> check_root(Clip& clip, const Body& body) {
   return std::nullopt;
 }
 
+// Horizontal paths that a wrong sign or order of the root's axes makes of the right one: mirrored in
+// an axis or a diagonal, or turned.
+std::vector<Eigen::Matrix3d> wrong_paths(const Vector3d& up) {
+  const Eigen::Matrix3d axes = z_up_from_file(up);
+  const Vector3d a = axes.row(0), b = axes.row(1);
+  std::vector<Eigen::Matrix3d> paths;
+  for (const Vector3d& across :
+       {a, b, Vector3d((a + b).normalized()), Vector3d((a - b).normalized())}) {
+    paths.push_back(Eigen::Matrix3d::Identity() - 2.0 * across * across.transpose());
+  }
+  const Eigen::Matrix3d along_up = up * up.transpose();
+  const Eigen::Matrix3d quarter = b * a.transpose() - a * b.transpose();
+  paths.push_back(2.0 * along_up - Eigen::Matrix3d::Identity());
+  paths.push_back(along_up + quarter);
+  paths.push_back(along_up - quarter);
+  return paths;
+}
+
 bool is_long_enough(const Clip& clip) {
   return clip.frame_count() * clip.rate().frame_time() >= kMinSeconds;
 }
@@ -388,6 +407,39 @@ std::optional<Warning> find_missing_root(const Clip& clip, const BoneMap& map, c
   return Warning{0, 0,
                  "the planted feet move and the root does not: the root translation is missing "
                  "or centred, and the motion slides in place"};
+}
+
+std::optional<Warning> doubt_root_path(const Clip& clip, const BoneMap& map, const Vector3d& up) {
+  constexpr double kMovingRoot = 0.25, kMovingFeet = 0.1;  // Legs per second.
+  constexpr double kMuchSlower = 0.4, kSlower = 0.5, kFactor = 1.05;
+  constexpr double kLeast = 0.25, kNearlyOne = 1.3, kGreatest = 4.0;
+  if (!map.has(Bone::kHips) || !is_long_enough(clip)) return std::nullopt;
+  const Body body(clip.skeleton(), map);
+  const FootSteps steps(clip, body, root_slots(clip.skeleton(), body), kStepSeconds, up);
+  const double speed = steps.slowest_foot(1.0);
+  if (!(steps.root() > kMovingRoot && speed > kMovingFeet)) return std::nullopt;
+  const Eigen::Matrix3d along_up = up * up.transpose();
+  const Eigen::Matrix3d across_up = Eigen::Matrix3d::Identity() - along_up;
+  const double least = std::min(kMuchSlower * speed, kSlower * steps.slowest_foot(along_up));
+  double best = least, factor = 1.0;
+  for (double scale = kLeast; scale < kGreatest; scale *= kFactor) {
+    const Eigen::Matrix3d scaled = along_up + scale * across_up;
+    if (factor_between(scale, 1.0) < kNearlyOne || steps.slowest_foot(scaled) >= best) continue;
+    best = steps.slowest_foot(scaled);
+    factor = scale;
+  }
+  const std::vector<Eigen::Matrix3d> wrong = wrong_paths(up);
+  if (std::ranges::any_of(
+          wrong, [&](const Eigen::Matrix3d& path) { return steps.slowest_foot(path) < best; })) {
+    return Warning{0, 0,
+                   "the feet stand still only if the horizontal path of the root is mirrored or "
+                   "turned: an axis of the root translation may have the wrong sign or order"};
+  }
+  if (factor == 1.0) return std::nullopt;
+  return Warning{0, 0,
+                 fmt::format("the feet stand still only if the horizontal path of the root is "
+                             "multiplied by {:.2g}: the path or the body size may be wrong",
+                             factor)};
 }
 
 std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map) {

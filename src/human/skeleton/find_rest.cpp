@@ -241,6 +241,19 @@ std::size_t runner_up(const std::vector<ScoredRest>& scored, std::size_t chosen)
   return best;
 }
 
+// The up direction of a standing body, from its trunk and legs.
+Eigen::Vector3d standing_direction(const Body& body, const JointPoses& pose,
+                                   const Eigen::Vector3d& trunk) {
+  Eigen::Vector3d legs = Eigen::Vector3d::Zero();
+  for (const Side side : kSides) {
+    const int hip = body.joint(side_bone(side, LimbBone::kUpLeg));
+    const int ankle = body.joint(side_bone(side, LimbBone::kFoot));
+    if (hip >= 0 && ankle >= 0) legs += pose[hip].translation - pose[ankle].translation;
+  }
+  const Eigen::Vector3d up = legs.norm() > 0.0 ? Eigen::Vector3d(trunk + legs.normalized()) : trunk;
+  return up.norm() > 0.5 ? Eigen::Vector3d(up.normalized()) : trunk;
+}
+
 // Explains why the user should check the choice; empty if the choice is certain.
 std::string doubt_of(const ScoredRest& chosen, const ScoredRest& other, bool is_meant) {
   constexpr double kBad = 15.0, kTie = 1.0, kDiffers = 15.0;  // degrees
@@ -264,12 +277,17 @@ std::string doubt_of(const ScoredRest& chosen, const ScoredRest& other, bool is_
 
 }  // namespace
 
-// A zero pose has its own up axis, which may differ from that of the movement.
+// A zero pose has its own up direction, which may differ from that of the movement. It is an axis,
+// unless an exporter has turned the pose as a whole.
 std::optional<RestCandidate> zero_candidate(const RestSearch& search) {
-  JointPoses pose = zero_pose(search.body.skeleton());
+  const JointPoses pose = zero_pose(search.clip);
   const auto trunk = trunk_direction(search.body, pose);
   if (!trunk) return std::nullopt;
-  auto found = candidate(search, std::move(pose), nearest_axis(*trunk).direction());
+  auto found = candidate(search, pose, nearest_axis(*trunk).direction());
+  if (!found || !is_well_formed(search.body, *found)) {
+    auto turned = candidate(search, pose, standing_direction(search.body, pose, *trunk));
+    if (turned && is_well_formed(search.body, *turned)) found = std::move(turned);
+  }
   if (found) found->is_built = true;
   return found;
 }

@@ -64,10 +64,14 @@ void HumanPoser::pose(int frame, HumanPose& world_from_bone) {
     const Pose& stand = world_from_joint_[source.position_joint];
     const Eigen::Vector3d origin =
         source.position_in_joint ? stand * *source.position_in_joint : stand.translation;
+    const bool is_twisted = source.twist_joint >= 0;
+    const int turning = is_twisted ? source.twist_joint : source.rotation_joint;
     world_from_bone[bone] = {
-        turn_ * world_from_joint_[source.rotation_joint].rotation,
+        turn_ * world_from_joint_[turning].rotation,
         calibration_.human_from_source * origin * calibration_.metres_per_unit};
-    if (source.joint_from_bone) {
+    if (is_twisted) {
+      world_from_bone[bone].rotation = world_from_bone[bone].rotation * source.twist_from_bone;
+    } else if (source.joint_from_bone) {
       world_from_bone[bone].rotation = world_from_bone[bone].rotation * *source.joint_from_bone;
     }
   }

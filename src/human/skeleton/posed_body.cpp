@@ -8,6 +8,7 @@
 
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/so3.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {
@@ -47,14 +48,45 @@ Segment free_end(const Skeleton& skeleton, int joint, int hips) {
 
 }  // namespace
 
-JointPoses zero_pose(const Skeleton& skeleton) {
+namespace {
+
+// The translation of a joint in the zero pose.
+Eigen::Vector3d zero_translation(const Clip& clip, int joint) {
+  constexpr double kConstant = 0.01, kContradicts = 0.02;  // Shares of its length.
+  const Joint& of = clip.skeleton().joint(joint);
+  if (of.parent < 0 || !of.has_position_channels() || clip.frame_count() == 0) return of.offset;
+  const Eigen::Vector3d& first = clip.translation(0, joint);
+  if ((first - of.offset).norm() <= kContradicts * std::max(first.norm(), of.offset.norm())) {
+    return of.offset;
+  }
+  for (int frame = 1; frame < clip.frame_count(); ++frame) {
+    if ((clip.translation(frame, joint) - first).norm() > kConstant * first.norm()) {
+      return of.offset;
+    }
+  }
+  return first;
+}
+
+// Sums the translations of joints from the root down.
+template <typename Translation>
+JointPoses unrotated_pose(const Skeleton& skeleton, const Translation& translation) {
   JointPoses poses(skeleton.joint_count());
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     const int parent = skeleton.joint(joint).parent;
-    poses[joint].translation = skeleton.joint(joint).offset;
+    poses[joint].translation = translation(joint);
     if (parent >= 0) poses[joint].translation += poses[parent].translation;
   }
   return poses;
+}
+
+}  // namespace
+
+JointPoses zero_pose(const Skeleton& skeleton) {
+  return unrotated_pose(skeleton, [&](int joint) { return skeleton.joint(joint).offset; });
+}
+
+JointPoses zero_pose(const Clip& clip) {
+  return unrotated_pose(clip.skeleton(), [&](int joint) { return zero_translation(clip, joint); });
 }
 
 JointPoses frame_pose(const Clip& clip, int frame) {
@@ -69,6 +101,26 @@ std::vector<int> sampled_frames(const Clip& clip, int begin) {
   std::vector<int> frames;
   for (int frame = begin; frame < clip.frame_count(); frame += stride) frames.push_back(frame);
   return frames;
+}
+
+std::vector<int> joints_in_place(const Clip& clip) {
+  constexpr double kNoise = 3e-3;
+  std::vector<int> joints;
+  if (clip.frame_count() == 0) return joints;
+  std::vector<double> lengths;
+  for (int joint = 1; joint < clip.skeleton().joint_count(); ++joint) {
+    const double length = clip.translation(0, joint).norm();
+    if (length > 0.0) lengths.push_back(length);
+  }
+  if (lengths.empty()) return joints;
+  const double most = kNoise * median_in_place(lengths);
+  for (int joint = 1; joint < clip.skeleton().joint_count(); ++joint) {
+    if (!clip.skeleton().joint(joint).has_position_channels()) continue;
+    int frame = 0;
+    while (frame < clip.frame_count() && clip.translation(frame, joint).norm() <= most) ++frame;
+    if (frame == clip.frame_count()) joints.push_back(joint);
+  }
+  return joints;
 }
 
 int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint) {

@@ -19,6 +19,10 @@ using JointPoses = std::vector<Pose>;
 /// Returns the pose with all rotations zero.
 [[nodiscard]] JointPoses zero_pose(const Skeleton& skeleton);
 
+/// As above for the skeleton of a clip. Position channels that are constant in all frames replace
+/// OFFSETs that contradict them: some files have only zero OFFSETs.
+[[nodiscard]] JointPoses zero_pose(const Clip& clip);
+
 /// Returns the pose of one frame.
 [[nodiscard]] JointPoses frame_pose(const Clip& clip, int frame);
 
@@ -27,6 +31,10 @@ using JointPoses = std::vector<Pose>;
 /// frames at most.
 /// @param begin  first frame to use.
 [[nodiscard]] std::vector<int> sampled_frames(const Clip& clip, int begin = 0);
+
+/// Returns the joints below the root whose position channels keep them at their parents in all
+/// frames, up to noise of 0.3 % of a usual bone's length (BoneMap::in_place).
+[[nodiscard]] std::vector<int> joints_in_place(const Clip& clip);
 
 /// Of the joints that coincide with `joint`, returns the uppermost that no other bone uses.
 [[nodiscard]] int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint);
@@ -56,6 +64,8 @@ class Body {
   [[nodiscard]] const BoneArray<int>& turning_joints() const { return turning_joints_; }
   /// Marks the bone's rotation as unknown; its position stays known.
   void disbelieve_rotation(Bone bone) { turning_joints_[bone] = -1; }
+  /// Makes a joint inside the bone turn it.
+  void turn_by(Bone bone, int joint) { turning_joints_[bone] = joint; }
   /// Segment to the next mapped bone, or from a last bone to its farthest child or end site.
   [[nodiscard]] const Segment& segment(Bone bone) const { return segments_[bone]; }
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -53,6 +54,8 @@ struct Shape {
   int hips = -1, torso = -1;
   ChainPair legs, arms;
   double reach = 0.0;
+  // Reach of the longest other pair at the hips and at the torso; 0: none.
+  double rival_of_legs = 0.0, rival_of_arms = 0.0;
 };
 
 std::vector<Hub> find_hubs(const BodySource& source, const TreeReach& reach) {
@@ -235,7 +238,7 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
       }
       rivalled =
           (best && best->reach > (1.0 - kEqualReach) * sum) || rival > (1.0 - kEqualReach) * sum;
-      best = Shape{hubs[i].joint, hubs[j].joint, a.pair, b.pair, sum};
+      best = Shape{hubs[i].joint, hubs[j].joint, a.pair, b.pair, sum, a.rival_reach, b.rival_reach};
     }
   }
   if (best && rivalled) {
@@ -248,6 +251,7 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
     Shape swapped = *best;
     std::swap(swapped.hips, swapped.torso);
     std::swap(swapped.legs, swapped.arms);
+    std::swap(swapped.rival_of_legs, swapped.rival_of_arms);
     if (order_merit(source, reach, swapped) > order_merit(source, reach, *best)) best = swapped;
   }
   return best;
@@ -312,6 +316,21 @@ Result<void> find_sides(const BodySource& source, BoneMap& map) {
       "give a bone map with " OPTION("map"));
 }
 
+// Notes pairs of chains, such as wings, that may be the limbs instead of the longest pairs.
+void note_rivals(const Shape& shape, BoneMap& map) {
+  constexpr double kLikeALimb = 0.35, kDoubtful = 0.6;
+  const auto note = [&](double rival, const ChainPair& limbs, const char* part, const char* name) {
+    if (rival < kLikeALimb * limbs.reach) return;
+    map.confidence *= kDoubtful;
+    map.notes.push_back(fmt::format(
+        "two pairs of limbs hang from the {}, and the longer one is assumed to be the {}; if the "
+        "other one is right, give a bone map with " OPTION("map"),
+        part, name));
+  };
+  note(shape.rival_of_legs, shape.legs, "hips", "legs");
+  note(shape.rival_of_arms, shape.arms, "torso", "arms");
+}
+
 }  // namespace
 
 Candidate recognise_by_shape(const BodySource& source) {
@@ -330,6 +349,7 @@ Candidate recognise_by_shape(const BodySource& source) {
   map.confidence = kShapeConfidence;
   map.notes.emplace_back(
       "recognised by the shape of the joint tree: the joint names are not reliable");
+  note_rivals(*shape, map);
   return map;
 }
 

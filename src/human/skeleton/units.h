@@ -90,4 +90,11 @@ struct BodySize {
 [[nodiscard]] std::optional<Warning> find_missing_root(const Clip& clip, const BoneMap& map,
                                                        const Eigen::Vector3d& up);
 
+/// Returns a warning if the feet stand still only with another horizontal path of the root: scaled
+/// by a factor beyond 1.3, mirrored or turned. The slowest foot is then less than 0.4 times as fast
+/// as in the clip, and less than half as fast as without a path.
+/// @param up  unit vector in the file's axes
+[[nodiscard]] std::optional<Warning> doubt_root_path(const Clip& clip, const BoneMap& map,
+                                                     const Eigen::Vector3d& up);
+
 }  // namespace retarget

@@ -144,7 +144,7 @@ struct Carriers {
   std::vector<double> raised;
 };
 
-Carriers find_carriers(const ContactPlan& contacts, int frames,
+Carriers find_carriers(const ContactPlan& contacts, int frames, const std::vector<SeatRest>& seats,
                        const std::vector<char>& touches_scene) {
   Carriers found;
   found.of.assign(static_cast<std::size_t>(frames), Carrier::kNothing);
@@ -167,6 +167,14 @@ Carriers find_carriers(const ContactPlan& contacts, int frames,
   }
   for (const auto& phases : contacts.bodies) {
     each(phases, [&](std::size_t i, double) { found.of[i] = Carrier::kFloorOrScene; });
+  }
+  // Feet on the floor do not carry a body that sits.
+  for (const SeatRest& seat : seats) {
+    const int end = std::min(seat.frames.end, frames);
+    for (int frame = seat.frames.begin; frame < end; ++frame) {
+      found.of[static_cast<std::size_t>(frame)] = Carrier::kMissingSurface;
+      found.raised[static_cast<std::size_t>(frame)] = seat.height - floor_height(contacts);
+    }
   }
   for (std::size_t i = 0; i < found.of.size(); ++i) {
     if (i < touches_scene.size() && touches_scene[i] != 0) found.of[i] = Carrier::kFloorOrScene;
@@ -197,8 +205,9 @@ void bridge_flights(double frame_time, Carriers& found) {
 }  // namespace
 
 void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
+                              const std::vector<SeatRest>& seats,
                               const std::vector<char>& touches_scene) {
-  Carriers carriers = find_carriers(contacts, frames, touches_scene);
+  Carriers carriers = find_carriers(contacts, frames, seats, touches_scene);
   bridge_flights(draft.clip.rate().frame_time(), carriers);
   FaultList faults("missing_surface_pct", "m");
   int missing = 0, known = 0;
@@ -207,7 +216,10 @@ void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& con
     ++known;
     if (carriers.of[i] != Carrier::kMissingSurface) continue;
     ++missing;
-    faults.add("soles", static_cast<int>(i), carriers.raised[i]);
+    const bool on_seat = std::ranges::any_of(seats, [&](const SeatRest& seat) {
+      return seat.frames.begin <= static_cast<int>(i) && static_cast<int>(i) < seat.frames.end;
+    });
+    faults.add(on_seat ? "seat" : "soles", static_cast<int>(i), carriers.raised[i]);
   }
   // In a few frames with a known support, for example of a toe that moves slowly, the share says
   // little about the motion.

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "human/gait/contact_plan.h"
+#include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
 #include "judge/quality/body_tracks.h"
@@ -51,13 +52,15 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const std::vector<char>& touches_scene, double scale);
 
 /// Measures in how many frames only surfaces that the scene lacks carry the source: an end of a
-/// foot is in contact above the floor, no other part is in contact with the floor, and the robot
-/// touches no body of its scene. Flights of at most a second from such a frame to another one are
-/// included. Frames are compared with those in which the body is carried at all, or flies between
-/// contacts of the same kind: the higher a run is above the floor, the fewer contacts are known.
-/// These are at least a quarter of all frames: few known frames say little about a motion.
+/// foot is in contact above the floor without another part on the floor, or the human sits on a
+/// raised seat; and the robot touches no body of its scene. Flights of at most a second from such a
+/// frame to another one are included. Frames are compared with those in which the body is carried
+/// at all, or flies between contacts of the same kind: the higher a run is above the floor, the
+/// fewer contacts are known. These are at least a quarter of all frames: few known frames say
+/// little about a motion.
 /// @param touches_scene  see measure_hovering().
 void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
+                              const std::vector<SeatRest>& seats,
                               const std::vector<char>& touches_scene);
 
 }  // namespace retarget

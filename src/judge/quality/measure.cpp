@@ -8,6 +8,7 @@
 
 #include "human/gait/contact_plan.h"
 #include "human/gait/edit_contacts.h"
+#include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/standing_heights.h"
 #include "human/gait/surface_contacts.h"
@@ -126,7 +127,10 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
   if (scale) measure_flights(draft, tracks, flights, *scale);
   measure_hovering(draft, tracks, feet, contacts, flights, touches_scene, scale.value_or(1.0));
-  if (feet.foot_count > 0) measure_missing_surfaces(draft, contacts, frames, touches_scene);
+  if (feet.foot_count > 0) {
+    const std::vector<SeatRest> seats = find_seats(human, poses_of(human), contacts);
+    measure_missing_surfaces(draft, contacts, frames, seats, touches_scene);
+  }
 }
 
 }  // namespace

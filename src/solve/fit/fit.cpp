@@ -15,7 +15,9 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/edit_contacts.h"
+#include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
+#include "human/gait/standing_heights.h"
 #include "human/gait/surface_contacts.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
@@ -356,7 +358,11 @@ Result<FitResult> Fit::run() {
     plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
     ease_contacts(feet_, source_feet, scale, clip_.feet);
     note_floor(result.contacts.standing, report);
-    if (run_.scene == nullptr) note_raised_feet(clip_, report);
+    if (run_.scene == nullptr) {
+      note_raised_feet(clip_, report);
+      note_seats(find_seats(info, poses_of(poser), result.contacts), clip_,
+                 retarget::floor_height(result.contacts), report);
+    }
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "base/option_name.h"
@@ -39,6 +40,21 @@ void note_raised_feet(const FitClip& clip, FitReport& report) {
       "not in the motion: `retarget scene-from-motion` finds them for " OPTION(
           "scene") "; if the human's floor was flat, the height of the root is wrong",
       100.0 * share, raised.highest));
+}
+
+void note_seats(const std::vector<SeatRest>& seats, const FitClip& clip, double floor,
+                FitReport& report) {
+  if (seats.empty()) return;
+  int frames = 0;
+  double highest = 0.0;
+  for (const SeatRest& seat : seats) {
+    frames += seat.frames.end - seat.frames.begin;
+    highest = std::max(highest, seat.height - floor);
+  }
+  report.notes.push_back(fmt::format(
+      "in {:.0f} % of the frames, the human sits on something (up to {:.2f} m high) that is not in "
+      "the motion: `retarget scene-from-motion` finds it for " OPTION("scene"),
+      100.0 * frames / clip.frame_count, highest));
 }
 
 void note_floor(const StandingHeights& standing, FitReport& report) {

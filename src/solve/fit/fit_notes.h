@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
 #include "retarget/contact_plan.h"
 #include "retarget/options.h"
@@ -21,6 +24,10 @@ void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& 
 /// Reports that the feet stand on surfaces that are not in the source: boxes and steps, or errors
 /// of the root's height that look like them.
 void note_raised_feet(const FitClip& clip, FitReport& report);
+
+/// Reports that the human sits on something that is not in the motion.
+void note_seats(const std::vector<SeatRest>& seats, const FitClip& clip, double floor,
+                FitReport& report);
 
 /// Reports that the floor is not that of feet.
 void note_floor(const StandingHeights& standing, FitReport& report);

@@ -1,0 +1,83 @@
+#include "human/gait/seats.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "human/gait/frame_runs.h"
+#include "human/gait/standing_heights.h"
+#include "retarget/statistics.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// Lengths in metres and speeds in m/s for a body with legs of kUsualSourceLeg.
+constexpr double kStillHips = 0.12;    // Speed.
+constexpr double kShortestSeat = 0.5;  // Seconds.
+constexpr double kLevelThigh = 0.6;    // Greatest sine of the slope of a sitting body's thigh.
+constexpr double kBehindFeet = 0.2;    // Of sitting hips.
+constexpr double kSeatDepth = 0.13;    // From the joint of the hips to the skin.
+constexpr double kLowestSeat = 0.2;    // Lower hips rest on the floor.
+
+// Whether the body sits in a pose: its thighs are level, and its hips are behind the feet.
+bool is_sitting(const HumanPose& pose, double scale, double floor) {
+  const auto place = [&](Bone bone) -> const Vector3d& { return pose[bone].translation; };
+  const Vector3d hips = place(Bone::kHips);
+  const double height = hips.z() - floor;
+  if (height < kLowestSeat * scale || height > 0.8 * kUsualSourceLeg * scale) return false;
+  double nearest = 1e9;
+  for (const Side side : kSides) {
+    const Vector3d thigh =
+        place(side_bone(side, LimbBone::kLeg)) - place(side_bone(side, LimbBone::kUpLeg));
+    if (!(std::abs(thigh.z()) <= kLevelThigh * thigh.norm())) return false;
+    const Vector3d foot = place(side_bone(side, LimbBone::kFoot));
+    nearest = std::min(nearest, (foot - hips).head<2>().norm());
+  }
+  return nearest >= kBehindFeet * scale;
+}
+
+}  // namespace
+
+std::vector<SeatRest> find_seats(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                 const ContactPlan& contacts) {
+  std::vector<SeatRest> seats;
+  for (const LimbBone part : {LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot}) {
+    for (const Side side : kSides) {
+      if (!human.has(side_bone(side, part))) return seats;
+    }
+  }
+  if (!human.has(Bone::kHips)) return seats;
+  const double scale = contacts.scale, floor = floor_height(contacts);
+  const double frame_time = human.rate.frame_time();
+  std::vector<Vector3d> hips;
+  std::vector<char> sitting;
+  HumanPose pose;
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    poses(frame, pose);
+    hips.push_back(pose[Bone::kHips].translation);
+    sitting.push_back(is_sitting(pose, scale, floor) ? 1 : 0);
+  }
+  const auto at = [&](int frame) -> const Vector3d& {
+    return hips[static_cast<std::size_t>(frame)];
+  };
+  const auto rests = [&](int frame) {
+    const int from = std::max(0, frame - 1), to = std::min(human.frame_count - 1, frame + 1);
+    const double speed = (at(to) - at(from)).norm() / (frame_time * std::max(1, to - from));
+    return speed < kStillHips * scale && sitting[static_cast<std::size_t>(frame)] != 0;
+  };
+  for_each_run_where(0, human.frame_count, rests, [&](int begin, int end) {
+    if ((end - begin) * frame_time < kShortestSeat) return;
+    std::vector<double> heights;
+    Vector2d middle = Vector2d::Zero();
+    for (int frame = begin; frame < end; ++frame) {
+      heights.push_back(at(frame).z() - kSeatDepth * scale);
+      middle += at(frame).head<2>() / (end - begin);
+    }
+    seats.push_back({{begin, end}, median_in_place(heights), middle});
+  });
+  return seats;
+}
+
+}  // namespace retarget
