@@ -191,9 +191,9 @@ struct FitOptions {
   double self_collision_weight = 500.0;  ///< Weight of the overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Distance below which two shapes are penalised, metres.
 
-  /// Weight of the depth inside the margin before a joint limit (5 % of the range), relative to the
-  /// margin.
-  double limit_margin_weight = 2.5;
+  /// Weight of the depth inside the margin before a joint limit (3 % of the range), relative to the
+  /// margin. The cost grows with the cube of the depth.
+  double limit_margin_weight = 5.0;
 
   /// Weight of the deviation of legs and waist from their smoothed velocity, per rad/s. Multiplied
   /// by smoothing_time, it is approximately a weight of accelerations, per rad/s^2.

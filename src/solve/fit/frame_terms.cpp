@@ -375,7 +375,9 @@ void FrameTerms::add_crossings(const TreeState& half_way, std::span<const std::u
 void add_limit_margins(const FitModel& model, const FitOptions& options,
                        std::span<const double> qpos, double* gradient, double* hessian, int stride,
                        TermCosts& costs) {
-  constexpr double kShare = 0.05;  // Of the range, at either end.
+  constexpr double kShare = 0.03;  // Of the range, at either end.
+  // Curvature of the solver relative to that of the cost, which grows along a step to the limit.
+  constexpr double kStiffer = 1.5;
   if (options.limit_margin_weight == 0.0) return;
   for (int i = KinematicTree::kBaseDofs; i < model.dof_count(); ++i) {
     const double margin = kShare * (model.upper[at(i)] - model.lower[at(i)]);
@@ -383,15 +385,14 @@ void add_limit_margins(const FitModel& model, const FitOptions& options,
     const auto& link = model.tree.links()[at(i - KinematicTree::kBaseDofs + 1)];
     const double value = qpos[at(link.qpos_address)];
     const double below = value - model.lower[at(i)], above = model.upper[at(i)] - value;
-    const double depth = margin - std::min(below, above);
+    const double depth = 1.0 - std::min(below, above) / margin;
     if (depth <= 0.0) continue;
-    const double weight = square(options.limit_margin_weight / margin);
-    costs[kTermLimits] += 0.5 * weight * square(depth);
+    const double at_limit = 0.5 * square(options.limit_margin_weight);
+    costs[kTermLimits] += at_limit * square(depth) * depth;
     if (hessian == nullptr) continue;
-    gradient[i] += (below < above ? -0.5 : 0.5) * weight * depth;
-    // Twice the curvature. With the exact one, steps alternate between the limit and the outside of
-    // the margin.
-    hessian[static_cast<std::ptrdiff_t>(i) * (stride + 1)] += weight;
+    gradient[i] += (below < above ? -1.5 : 1.5) * at_limit * square(depth) / margin;
+    hessian[static_cast<std::ptrdiff_t>(i) * (stride + 1)] +=
+        kStiffer * 3.0 * at_limit * depth / square(margin);
   }
 }
 

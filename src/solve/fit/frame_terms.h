@@ -172,8 +172,8 @@ class FrameTerms {
 };
 
 /// Adds the cost of joints near their limits to an assembled frame. The cost of a joint is zero at
-/// a distance of 5 % of its range from a limit, and grows quadratically to limit_margin_weight^2 /
-/// 2 at the limit.
+/// a distance of 3 % of its range from a limit, and grows with the cube of the depth to
+/// limit_margin_weight^2 / 2 at the limit.
 /// @param qpos     configuration of the frame.
 /// @param hessian  null: adds only the cost.
 void add_limit_margins(const FitModel& model, const FitOptions& options,
