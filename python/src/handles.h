@@ -84,7 +84,7 @@ struct MotionHandle {
 
 /// The run that made a motion; null: unknown.
 [[nodiscard]] std::shared_ptr<const RecordedRun> run_of(const MotionHandle& motion);
-/// What is known of a motion for measuring it against a source.
+/// The record of a motion for measuring it against a source.
 [[nodiscard]] RecordedMotion record_of(const MotionHandle& motion);
 /// Options for measuring a motion at its rate: those of a run of this process, otherwise defaults.
 [[nodiscard]] Options measuring_options(const MotionHandle& motion);

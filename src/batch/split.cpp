@@ -95,7 +95,7 @@ fs::path common_folder(const std::vector<const ManifestEntry*>& clips) {
 
 // The group of a clip by its name below the given folder. Without a person in it, the folders of
 // the file decide, because a list or a named folder leaves them out of the name. A folder above all
-// files identifies nobody.
+// files identifies no person.
 ClipGroup group_of_clip(const ManifestEntry& clip, const fs::path& common) {
   ClipGroup group = group_of(clip.variant.source.empty() ? clip.relative : clip.variant.source);
   if (group.is_subject) return group;

@@ -121,7 +121,7 @@ TEST(SplitGroups, TakeNoPersonFromAFolderAboveAllFiles) {
 // About a degree from swinging(3), like a copy that is trimmed off the grid of the signature.
 MotionSignature swinging_nearly() {
   MotionSignature of = swinging(3);
-  for (std::size_t i = 0; i < of.samples.size(); i += 2) of.samples[i] += 3;
+  for (std::size_t i = 0; i < of.samples.size(); i += 2) of.samples[i] += 2;
   return of;
 }
 
