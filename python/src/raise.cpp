@@ -118,10 +118,7 @@ void raise_type_error(const std::string& message) {
   throw nb::python_error();
 }
 
-void raise(const Error& given) {
-  Error error = given;
-  // A command for a shell has flags, also in Python.
-  if (error.hint.starts_with("retarget ")) error.hint = spell_options(error.hint, option_as_flag);
+void raise(const Error& error) {
   const nb::object make = errors_attribute("make_error");
   const auto& [file, line, column] = error.location;
   // The exception name already identifies an error.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import pickle
+import re
 import warnings
 from pathlib import Path
 
@@ -36,14 +37,14 @@ def test_the_text_is_the_command_s(data: Path, tmp_path: Path, command) -> None:
     assert not (tmp_path / "out.csv").exists()
 
 
-def test_commands_in_hints_have_flags(data: Path, tmp_path: Path) -> None:
-    with pytest.raises(retarget.UsageError) as raised:
-        retarget.batch([], tmp_path / "o", "unitree_g1")
-    assert raised.value.hint.startswith("retarget batch clips/ -o out/ --robot unitree_g1; ")
-    with pytest.raises(retarget.InputError, match="hint: retarget --bvh converts it"):
-        retarget.load_motion(data / "walk.bvh", "g1")
-    with pytest.raises(retarget.InputError, match="-o OUT --robot NAME takes a folder of clips"):
-        retarget.load(tmp_path)
+def test_hints_are_no_broken_commands(data: Path, tmp_path: Path) -> None:
+    for call in (lambda: retarget.batch([], tmp_path / "o", "unitree_g1"),
+                 lambda: retarget.load_motion(data / "walk.bvh", "g1"),
+                 lambda: retarget.load(tmp_path)):
+        with pytest.raises(retarget.Error) as raised:
+            call()
+        hint = raised.value.hint
+        assert hint and not re.search(r"\b(robot|bvh|help)\b (NAME|unitree|converts|shows)", hint)
 
 
 NOT_GIVEN = (0, 0.0, "", b"", [], (), False)

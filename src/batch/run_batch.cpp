@@ -49,8 +49,7 @@ Result<void> check_request(const BatchRequest& request) {
   const SolveOptions& solve = request.run.options.solve;
   if (request.inputs.empty() && request.lists.empty() && request.clips.empty()) {
     return usage_failure("no motion files are given",
-                         "retarget batch clips/ -o out/ " RETARGET_OPTION("robot") " unitree_g1; "
-                         "retarget batch " RETARGET_OPTION("help") " shows more");
+                         "give files, folders, patterns or lists of clips, such as clips/");
   }
   if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_config_kind(solve.ik_config)) {
     return usage_failure(

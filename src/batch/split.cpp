@@ -8,6 +8,7 @@
 #include <numeric>
 #include <regex>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "batch/duplicates.h"
@@ -231,12 +232,15 @@ void join_twins(const std::vector<const ManifestEntry*>& clips,
     if (movement(signature) < kLeastMovement) continue;
     known.push_back({clip.relative, &keys[i], std::move(signature)});
   }
-  std::ranges::sort(known, {}, &Signed::relative);
+  // Longest first: each copy that was cut shorter is near the one before it.
+  std::ranges::sort(known, [](const Signed& a, const Signed& b) {
+    return std::tie(b.signature.seconds, a.relative) < std::tie(a.signature.seconds, b.relative);
+  });
   std::vector<const MotionSignature*> signatures;
   signatures.reserve(known.size());
   for (const Signed& each : known) signatures.push_back(&each.signature);
   for (const double limit : {kTwinDistance, kDuplicateDistance}) {
-    const auto found = find_duplicates(signatures, {}, limit);
+    const auto found = find_duplicates(signatures, {}, limit, true);
     for (std::size_t i = 0; i < known.size(); ++i) {
       if (!found[i]) continue;
       const std::string &a = *known[i].key, &b = *known[found[i]->index].key;

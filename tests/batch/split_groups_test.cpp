@@ -140,6 +140,18 @@ TEST(SplitGroups, JoinNearFilesUnlessTheyAreOfTwoPersons) {
             (std::vector<std::string>{"subject 1", "subject 2"}));
 }
 
+TEST(SplitGroups, JoinCopiesThatAreCutShorterStepByStep) {
+  std::vector<ManifestEntry> entries = {clip("c.bvh", "1"), clip("a.bvh", "2"), clip("b.bvh", "3")};
+  // The first and the last differ too much in length to be compared.
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    MotionSignature cut = swinging(3);
+    cut.samples.resize(cut.samples.size() - 2 * i * kSignatureNumbers);
+    cut.seconds -= 0.4 * static_cast<double>(i);
+    entries[i].signature = signature_bytes(cut);
+  }
+  EXPECT_EQ(keys_of(entries), (std::vector<std::string>{"a", "a", "a"}));
+}
+
 TEST(SplitGroups, JoinMirroredFilesOfAnyName) {
   std::vector<ManifestEntry> entries = {clip("x.bvh", "1"), clip("y.bvh", "2"), clip("z.bvh", "3")};
   entries[0].signature = signature_bytes(mirrored(swinging(3)));

@@ -150,7 +150,7 @@ Result<void> add_scene_of_robot(const std::string& path, const RobotClip& clip,
                                 const std::optional<SceneClip>& scene, FilesBeside& beside) {
   if (!scene) {
     return usage_failure("the motion has no scene for " OPTION("scene-out"),
-                         "use a clip with " OPTION("scene") " FILE");
+                         "retarget a clip with " OPTION("scene") " FILE");
   }
   TRY_ASSIGN(const std::string text, format_scene(path, clip, *scene));
   return add_file_beside(path, text, beside);
