@@ -129,6 +129,9 @@ struct MeasuredSource {
 /// Errors: those of prepare_clip.
 [[nodiscard]] Result<MeasuredSource> measured_source(Plan plan);
 
+/// Drops the first frames of a source, for motions that begin later. At least one frame remains.
+void skip_frames(MeasuredSource& source, int frames);
+
 /// The metrics of a motion, and the part of the source that the motion was compared with.
 struct MotionMeasure {
   QualityReport report;      ///< Report without gates.

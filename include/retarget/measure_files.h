@@ -84,6 +84,30 @@ struct MeasuredMotion {
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                                   Observer& observer);
 
+/// A motion and what is known of the run that made it: of a file, from its sidecar (recorded_run).
+struct RecordedMotion {
+  std::string file;  ///< Name in messages.
+  std::optional<RecordedRun> recorded;
+  /// Set if the motion is a part of that of the run: time of its first frame, seconds.
+  std::optional<double> part_start = std::nullopt;
+};
+
+/// A motion beside its source, in the same frames.
+struct MotionBeside {
+  HumanClip human;       ///< May be longer or shorter.
+  QualityReport report;  ///< Without gates.
+};
+
+/// Measures a motion against a clip in memory, as measure_file() does with files: takes part,
+/// mirroring, travel and time scale of the source from the record, unless options give them, and
+/// reports the same warnings.
+/// @param motion  is resampled to the rate of the options.
+/// Errors: those of set_up_robot, make_plan and measured_source.
+[[nodiscard]] Result<MotionBeside> measure_against(const RobotClip& motion,
+                                                   const RecordedMotion& record, Clip source,
+                                                   LoadedRobot robot, const Options& options,
+                                                   bool dynamics, Observer& observer);
+
 /// The scene of a measured motion; null without a scene. With a source, it is the scene that a fit
 /// derives from the human's, and motions of the same human share it. Without a source, it is the
 /// scene of the options, in the frames of the motion.

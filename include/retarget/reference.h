@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -31,6 +32,8 @@ struct ReferenceOptions {
   const SceneClip* scene = nullptr;
   /// Largest memory of a reference, bytes. A larger reference is an error.
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
+  /// Called between samples; returning false stops the work (kInterrupted).
+  std::function<bool()> keep_going = {};
 };
 
 /// A joint whose position, speed or torque is beyond a limit.
@@ -105,7 +108,7 @@ struct MotionReference {
 /// problem within friction pyramids.
 ///
 /// Errors (kUsage): a rate outside its range. Errors (kInput): a motion without frames; more memory
-/// than allowed. Errors of make_distance_field.
+/// than allowed. Errors of make_distance_field. kInterrupted.
 [[nodiscard]] Result<MotionReference> make_reference(const RobotClip& clip,
                                                      const ReferenceOptions& options = {});
 

@@ -263,6 +263,10 @@ struct RunOutcome {
 [[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
                                          const RobotSetup& robot, Observer& observer);
 
+/// Plans a clip that has been read, like read_and_plan.
+[[nodiscard]] Result<Plan> plan_clip(Clip clip, const Run& run, const RunRequest& request,
+                                     const RobotSetup& robot, Observer& observer);
+
 /// Writes a motion according to `output` and the options, like run_to_files: all of its files
 /// appear together, or none. Reports losses of the formats and the written files.
 /// @param contacts  contacts of the feet per frame, for formats that store them; empty: unknown.

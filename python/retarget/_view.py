@@ -24,10 +24,14 @@ class Page:
         """The whole page."""
 
     def save(self, path: StrPath) -> Path:
-        """Writes the page and returns its path. Raises OSError: the file cannot be written."""
-        file = Path(os.fsdecode(path))
-        file.write_text(self.html, encoding="utf-8", newline="")
-        return file
+        """Writes the page and returns its path.
+
+        Raises:
+            UsageError: the name of another kind of file.
+            RunError: the file cannot be written; an existing one stays.
+        """
+        _retarget.write_drawing(path, self.html.encode(), True)
+        return Path(os.fsdecode(path))
 
     def _repr_html_(self) -> str:
         # A separate frame keeps the styles of page and notebook apart.
@@ -56,8 +60,10 @@ def view(motions: _retarget.Motion | StrPath | Sequence[_retarget.Motion | StrPa
         title: window title; empty: the labels.
 
     Raises:
-        UsageError: no motion, another number of labels, a file without a robot.
+        UsageError: no motion, another number of labels, a file without a robot, an output that
+            is not HTML.
         InputError: a bad file; implausible values, such as a root 100 km away.
+        RunError: the output cannot be written; an existing file stays.
     """
     several: list[Any] = [motions] if _is_one(motions) else list(motions)  # type: ignore
     if not several:
@@ -96,7 +102,8 @@ def picture(motion: _retarget.Motion, output: StrPath | None = None, *, poses: i
         The bytes of the PNG, or of the SVG.
 
     Raises:
-        UsageError: another number of poses. OSError: the file cannot be written.
+        UsageError: another number of poses, the name of another kind of file.
+        RunError: the file cannot be written; an existing one stays.
     """
     if not isinstance(motion, _retarget.Motion):
         raise ArgumentTypeError(f"motion: expected a Motion, found {type(motion).__name__}")
@@ -104,7 +111,7 @@ def picture(motion: _retarget.Motion, output: StrPath | None = None, *, poses: i
     is_svg = file is not None and file.suffix.lower() == ".svg"
     content = _retarget.strip_bytes(motion, poses, is_svg, title)
     if file is not None:
-        file.write_bytes(content)
+        _retarget.write_drawing(file, content, False)
     return content
 
 

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -10,12 +11,13 @@
 #include "gates.h"
 #include "handles.h"
 #include "keywords.h"
+#include "notes_observer.h"
 #include "raise.h"
 #include "retarget/measure.h"
+#include "retarget/measure_files.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
-#include "retarget/resample.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 #include "tables.h"
@@ -47,8 +49,8 @@ Gate gate_of(nb::handle key, nb::handle bounds) {
   const auto number = [&](nb::handle object) -> std::optional<double> {
     if (object.is_none()) return std::nullopt;
     const double value = PyFloat_AsDouble(object.ptr());
-    if (PyErr_Occurred() == nullptr) return value;
-    forget_exception();
+    if (PyErr_Occurred() == nullptr && !std::isnan(value)) return value;
+    if (PyErr_Occurred() != nullptr) forget_exception();
     raise(
         usage_failure("gates: " + gate.metric + ": expected a maximum, (minimum, maximum) or None")
             .value());
@@ -59,6 +61,10 @@ Gate gate_of(nb::handle key, nb::handle bounds) {
     gate.max = number(bounds[1]);
   } else {
     gate.max = number(bounds);
+  }
+  // False for NaN, too.
+  if (gate.min && gate.max && !(*gate.min <= *gate.max)) {
+    raise(usage_failure("gates: " + gate.metric + ": the minimum is above the maximum").value());
   }
   return gate;
 }
@@ -79,21 +85,12 @@ Gates gates_of(const nb::object& given, const std::string& data_folder) {
 
 namespace {
 
-Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip, Options options,
-                              bool dynamics) {
+Result<QualityReport> measure_alone(const MotionHandle& motion, std::string limits_name,
+                                    bool dynamics) {
   const Robot& robot = *motion.robot;
-  std::string& limits_name = options.solve.limits;
   if (limits_name.empty()) limits_name = robot.limits_for({});
   RETARGET_TRY_ASSIGN(const LimitSet limits, load_limits(robot, limits_name));
-  if (clip == nullptr) {
-    return measure_motion(*motion.clip, limits, nullptr, dynamics).report;
-  }
-  RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
-  RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
-  plan.config = measured_config(plan, setup);
-  RETARGET_TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
-  RETARGET_TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
-  return measure_motion(at_rate, limits, &source, dynamics).report;
+  return measure_motion(*motion.clip, limits, nullptr, dynamics).report;
 }
 
 // For the clip that the motion was made from, only limits (and dynamics) may differ; other options
@@ -143,8 +140,7 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
       motion.solved != nullptr && (source == nullptr || motion.made_from == source->shared() ||
                                    motion.solved->source == source->shared());
   // For another clip or measurement, options that are not given default to those of the motion.
-  Options options = motion.solved ? motion.solved->plan.options : Options{};
-  options.time.fps = motion.clip->rate().fps();
+  Options options = measuring_options(motion);
   bool dynamics = false;
   {
     // First, so that suggestions for an unknown name include every option.
@@ -152,16 +148,25 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
     apply_keywords(evaluate_table(scratch, dynamics), keywords);
   }
   if (is_own) check_kept(options, motion.solved->plan, keywords);
-  // A slice shows a later part of its source.
-  const bool has_part = keywords.contains("start") || keywords.contains("frames");
-  if (!motion.solved && motion.source_start && !has_part) {
-    options.part.start_s = *motion.source_start;
+  RecordedMotion record = record_of(motion);
+  if (keywords.contains("start") || keywords.contains("frames")) {
+    record.part_start.reset();
+    // Another part of the source than that of the run.
+    const LeadIn lead_in = options.part.lead_in;
+    options.part = {};
+    options.part.lead_in = lead_in;
   }
   apply_keywords(evaluate_table(options, dynamics), keywords);
+  WarningsObserver observer;
   QualityReport report = without_gil([&]() -> Result<QualityReport> {
     if (is_own) return measure_as_solved(motion, options.solve.limits, dynamics);
-    return measure(motion, source, options, dynamics);
+    if (source == nullptr) return measure_alone(motion, options.solve.limits, dynamics);
+    RETARGET_TRY_ASSIGN(MotionBeside measured,
+                        measure_against(*motion.clip, record, **source, motion.robot.loaded,
+                                        options, dynamics, observer));
+    return std::move(measured.report);
   });
+  observer.tell();
   report.file = std::filesystem::path(motion.name).filename().string();
   gates.judge(report);
   return nb::make_tuple(text_of(report_text({&report, 1})), text_of(report_json({&report, 1})));

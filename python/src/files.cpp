@@ -4,11 +4,11 @@
 #include <nanobind/stl/string.h>
 
 #include <array>
-#include <utility>
 
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
+#include "notes_observer.h"
 #include "raise.h"
 #include "retarget/check_options.h"
 #include "retarget/compare.h"
@@ -33,15 +33,6 @@ OptionTable convert_keywords(ConvertRequest& request) {
 
 namespace {
 
-// Collects the warnings of a conversion, for Python.
-class ConvertObserver : public Observer {
- public:
-  void warn(const std::vector<Warning>& warnings, std::string_view file) override {
-    for (const Warning& each : warnings) told.emplace_back(std::string(file), each);
-  }
-  std::vector<std::pair<std::string, Warning>> told;
-};
-
 // Returns the paths of the written files.
 nb::list convert(const nb::object& input, const nb::object& output, const nb::object& robot,
                  const nb::dict& keywords, const nb::object& data_dir) {
@@ -54,12 +45,12 @@ nb::list convert(const nb::object& input, const nb::object& output, const nb::ob
   }
   if (!robot.is_none()) request.robot.name = bytes_of_path(robot, "robot");
   const std::string chosen = bytes_of_folder(data_dir);
-  ConvertObserver observer;
+  WarningsObserver observer;
   const auto written = without_gil([&]() -> Result<std::vector<WrittenFile>> {
     RETARGET_TRY_ASSIGN(request.data_folder.chosen, data_folder_of(chosen));
     return convert_motion(request, observer);
   });
-  for (const auto& [file, warning] : observer.told) warn(std::vector{warning}, file);
+  observer.tell();
   nb::list paths;
   for (const WrittenFile& file : written) paths.append(path_of(file.item.path));
   return paths;

@@ -8,9 +8,11 @@
 
 #include "retarget/clip.h"
 #include "retarget/load.h"
+#include "retarget/measure_files.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
 #include "retarget/plan.h"
+#include "retarget/run.h"
 #include "retarget/solve.h"
 
 // Contents of Python objects: const values of the library, shared with the arrays made from them.
@@ -72,9 +74,20 @@ struct MotionHandle {
   /// Contacts of a motion that was not solved here; empty: unknown.
   std::optional<FootContacts> contacts = std::nullopt;
   bool rate_known = true;  ///< False: the rate of a file without one is a default.
-  /// Time in the source of the first frame, for parts of solved motions, seconds; empty: unknown.
-  std::optional<double> source_start = std::nullopt;
+  /// The run of a motion that was not solved here; null: unknown.
+  std::shared_ptr<const RecordedRun> recorded = nullptr;
+  bool is_of_file = true;  ///< `recorded` is from a sidecar: evaluate() takes the same from it as
+                           ///< the command. Otherwise it takes all of its options.
+  /// Time of the first frame in the motion of which this one is a part, seconds; empty: not a part.
+  std::optional<double> part_start = std::nullopt;
 };
+
+/// The run that made a motion; null: unknown.
+[[nodiscard]] std::shared_ptr<const RecordedRun> run_of(const MotionHandle& motion);
+/// The record of a motion for measuring it against a source.
+[[nodiscard]] RecordedMotion record_of(const MotionHandle& motion);
+/// Options for measuring a motion at its rate: those of a run of this process, otherwise defaults.
+[[nodiscard]] Options measuring_options(const MotionHandle& motion);
 
 /// Contacts of the feet per frame: those of the fit, or those given; empty: unknown.
 [[nodiscard]] std::optional<FootContacts> foot_contacts(const MotionHandle& motion);

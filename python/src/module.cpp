@@ -1,6 +1,8 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <cstdlib>
+
 #include "bindings.h"
 #include "retarget/version.h"
 
@@ -10,6 +12,8 @@ NB_MODULE(_retarget, module) {
   module.def("version_number", &retarget::version_number, "`major.minor.patch`");
   module.def("version_text", &retarget::version_text,
              "Version, commit, compiler and libraries, one per line.");
+  // Threads that still run at exit hold objects, so only tests look for leaks.
+  nb::set_leak_warnings(std::getenv("RETARGET_REPORT_LEAKS") != nullptr);
   bind_options(module);
   bind_clip(module);
   bind_robot(module);

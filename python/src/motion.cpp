@@ -26,6 +26,31 @@ std::optional<FootContacts> foot_contacts(const MotionHandle& motion) {
   return motion.solved ? contacts_of(*motion.solved) : motion.contacts;
 }
 
+std::shared_ptr<const RecordedRun> run_of(const MotionHandle& motion) {
+  if (!motion.solved) return motion.recorded;
+  const Plan& plan = motion.solved->plan;
+  RecordedRun recorded;
+  recorded.run.motion = motion.name;
+  recorded.run.robot = motion.robot.loaded.choice;
+  recorded.run.options = plan.options;
+  recorded.time_scale = plan.time_scale;
+  return std::make_shared<const RecordedRun>(std::move(recorded));
+}
+
+RecordedMotion record_of(const MotionHandle& motion) {
+  RecordedMotion record{motion.name, std::nullopt, motion.part_start};
+  if (const auto run = run_of(motion)) record.recorded = *run;
+  return record;
+}
+
+Options measuring_options(const MotionHandle& motion) {
+  Options options;
+  const bool is_of_file = motion.solved == nullptr && motion.is_of_file;
+  if (const auto run = run_of(motion); run && !is_of_file) options = run->run.options;
+  options.time.fps = motion.clip->rate().fps();
+  return options;
+}
+
 namespace {
 
 constexpr std::size_t kRoot = 7;  // Values of a configuration before the joints.
@@ -160,6 +185,12 @@ nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
   return arrays;
 }
 
+std::shared_ptr<const RecordedRun> recorded_run_of(const std::string& path) {
+  const nb::gil_scoped_release released;
+  auto recorded = recorded_run(path);
+  return recorded ? std::make_shared<const RecordedRun>(*std::move(recorded)) : nullptr;
+}
+
 MotionHandle load_motion(const nb::object& file, const RobotHandle& robot,
                          const nb::dict& options) {
   ReadingOptions given;
@@ -173,6 +204,7 @@ MotionHandle load_motion(const nb::object& file, const RobotHandle& robot,
     how.max_bytes = memory_share(memory_gb);
     return load_recorded_motion(path, robot.loaded.robot, how);
   });
+  auto recorded = recorded_run_of(path);
   warn(read.warnings, path);
   std::string summary =
       std::string(format_name(read.format)) + (read.rate_known ? "" : ", which has no frame rate");
@@ -181,6 +213,7 @@ MotionHandle load_motion(const nb::object& file, const RobotHandle& robot,
                       robot,   nullptr,
                       path,    std::move(summary)};
   motion.contacts = std::move(read.contacts);
+  motion.recorded = std::move(recorded);
   motion.rate_known = read.rate_known;
   // The columns of the file may be those of a variant.
   motion.robot.loaded.robot = motion.clip->shared_robot();

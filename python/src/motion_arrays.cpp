@@ -29,6 +29,17 @@ constexpr double kExactTolerance = 1e-12;
   raise(usage_failure(message).value());
 }
 
+// Readers of motion files reject larger numbers, and some formats cannot hold them.
+void check_magnitudes(const GivenArray& given, std::size_t width) {
+  constexpr double kMaxMagnitude = 1e6;
+  const auto numbers = given.numbers();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (std::abs(numbers[i]) <= kMaxMagnitude) continue;
+    refuse_qpos(fmt::format("qpos[{}, {}]: expected at most 1e6, found {}", i / width, i % width,
+                            numbers[i]));
+  }
+}
+
 // Joints that a variant locks, and a fixed base, stay where the robot holds them.
 void check_held_values(const Robot& robot, const RobotClip& clip) {
   constexpr double kHeldTolerance = 1e-6;
@@ -76,6 +87,7 @@ MotionHandle from_qpos(const nb::object& qpos, const RobotHandle& robot, double 
   const std::size_t frames = given.size(0);
   if (frames == 0) refuse_qpos("qpos: expected at least one frame");
   if (frames > 100'000'000) refuse_qpos("qpos: too many frames");
+  check_magnitudes(given, static_cast<std::size_t>(width));
   RobotClip clip(robot.loaded.robot, rate, static_cast<int>(frames));
   Eigen::Vector4d before = Eigen::Vector4d::Zero();
   for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -104,12 +116,11 @@ MotionHandle from_qpos(const nb::object& qpos, const RobotHandle& robot, double 
   return motion;
 }
 
-// Time in the source of the first frame, seconds; empty: unknown, or the paces differ.
-std::optional<double> source_start_of(const MotionHandle& motion) {
-  if (!motion.solved) return motion.source_start;
-  const Plan& plan = motion.solved->plan;
-  if (plan.time_scale || !motion.made_from) return std::nullopt;
-  return plan.part.begin * motion.made_from->rate().frame_time();
+// Makes `made`, the same motion or a part of it, one of the same run.
+void keep_run(const MotionHandle& motion, MotionHandle& made) {
+  made.recorded = run_of(motion);
+  made.is_of_file = motion.solved == nullptr && motion.is_of_file;
+  made.part_start = motion.part_start;
 }
 
 MotionHandle part_of(const MotionHandle& motion, const nb::object& index) {
@@ -143,9 +154,9 @@ MotionHandle part_of(const MotionHandle& motion, const nb::object& index) {
       fmt::format("frames {} to {} of {}", begin, begin + count, motion.clip->frame_count()),
       motion.save};
   part.rate_known = motion.rate_known;
-  if (const auto start = source_start_of(motion)) {
-    part.source_start = *start + static_cast<double>(begin) * motion.clip->rate().frame_time();
-  }
+  keep_run(motion, part);
+  part.part_start = motion.part_start.value_or(0.0) +
+                    static_cast<double>(begin) * motion.clip->rate().frame_time();
   if (auto contacts = foot_contacts(motion)) {
     const auto first = contacts->planted.begin() + 4 * begin;
     part.contacts = FootContacts{{first, first + 4 * count}};
@@ -161,7 +172,7 @@ MotionHandle at_other_rate(const MotionHandle& motion, double fps) {
       motion.robot, nullptr,
       motion.name,  fmt::format("resampled from {} fps", to_text(motion.clip->rate())),
       motion.save};
-  made.source_start = source_start_of(motion);
+  keep_run(motion, made);
   if (const auto contacts = foot_contacts(motion)) {
     made.contacts =
         resample_contacts(*contacts, motion.clip->rate(), rate, made.clip->frame_count());
@@ -203,8 +214,9 @@ void bind_motion_arrays(nb::module_& module) {
           "name: name of the motion in messages and reports.\n\n"
           "Quaternions are normalised and made sign-continuous; other numbers are kept bit for "
           "bit.\n\n"
-          "Raises UsageError: another shape, numbers that are not finite, quaternions that are not "
-          "of unit length, joints that the robot's variant holds elsewhere.")
+          "Raises UsageError: another shape, numbers that are not finite or beyond 1e6, "
+          "quaternions "
+          "that are not of unit length, joints that the robot's variant holds elsewhere.")
       .def("__getitem__", &part_of, "frames"_a,
            nb::sig("def __getitem__(self, frames: slice) -> Motion"),
            "The frames of a slice as a separate motion, with its contacts; negative indices count "

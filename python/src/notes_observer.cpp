@@ -41,6 +41,14 @@ void NotesObserver::tell(const std::string& text) const {
   notes_.attr("append")(text_of(text));
 }
 
+void WarningsObserver::warn(const std::vector<Warning>& warnings, std::string_view file) {
+  for (const Warning& each : warnings) told_.emplace_back(std::string(file), each);
+}
+
+void WarningsObserver::tell() const {
+  for (const auto& [file, warning] : told_) python::warn(std::vector{warning}, file);
+}
+
 void begin_worker() {
   os::leave_interrupts_to_parent(worker_is_stopped);
 }

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "retarget/error.h"
@@ -32,6 +33,16 @@ class NotesObserver : public Observer {
   Watcher& watcher_;
   nb::list notes_;
   const pid_t process_ = getpid();
+};
+
+/// Collects warnings while the GIL is released; tell() issues them through Python's `warnings`.
+class WarningsObserver : public Observer {
+ public:
+  void warn(const std::vector<Warning>& warnings, std::string_view file) override;
+  void tell() const;
+
+ private:
+  std::vector<std::pair<std::string, Warning>> told_;
 };
 
 /// Called first in each worker process: Python's handlers must not run there.

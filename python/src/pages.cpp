@@ -11,9 +11,12 @@
 #include "bindings.h"
 #include "gates.h"
 #include "handles.h"
+#include "notes_observer.h"
 #include "raise.h"
+#include "retarget/file.h"
 #include "retarget/measure.h"
 #include "retarget/robot_meshes.h"
+#include "retarget/run.h"
 #include "retarget/try.h"
 #include "retarget/view.h"
 
@@ -43,26 +46,22 @@ Result<ShownMotion> shown_as_solved(const MotionHandle& motion) {
 }
 
 // Shows a motion that was not solved here, next to a clip if there is one.
-Result<ShownMotion> shown_beside(const MotionHandle& motion, const ClipHandle* clip) {
+Result<ShownMotion> shown_beside(const MotionHandle& motion, const ClipHandle* clip,
+                                 Observer& observer) {
   ShownMotion shown;
   shown.clip = *motion.clip;
-  RETARGET_TRY_ASSIGN(shown.limits, load_limits(*motion.robot, motion.robot->limits_for({})));
+  Options options = measuring_options(motion);
+  if (options.solve.limits.empty()) options.solve.limits = motion.robot->limits_for({});
+  RETARGET_TRY_ASSIGN(shown.limits, load_limits(*motion.robot, options.solve.limits));
   if (clip == nullptr) {
     shown.report = measure_motion(shown.clip, shown.limits, nullptr).report;
     return shown;
   }
-  Options options;
-  options.time.fps = motion.clip->rate().fps();
-  options.solve.limits = motion.robot->limits_for({});
-  RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
-  RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
-  plan.config = measured_config(plan, setup);
-  RETARGET_TRY_ASSIGN(MeasuredSource source, measured_source(std::move(plan)));
-  const MotionMeasure measured = measure_motion(shown.clip, shown.limits, &source);
-  shown.report = measured.report;
-  shown.human = measured.has_lead_in && source.human_with_lead_in
-                    ? std::move(source.human_with_lead_in)
-                    : std::optional(std::move(source.human));
+  RETARGET_TRY_ASSIGN(MotionBeside measured,
+                      measure_against(*motion.clip, record_of(motion), **clip, motion.robot.loaded,
+                                      options, false, observer));
+  shown.human = std::move(measured.human);
+  shown.report = std::move(measured.report);
   return shown;
 }
 
@@ -76,10 +75,12 @@ nb::str page_html(const nb::list& motions, const nb::list& clips, const nb::list
     const nb::object given = clips[i];
     const ClipHandle* clip = given.is_none() ? nullptr : nb::cast<const ClipHandle*>(given);
     if (first == nullptr) first = motion;
+    WarningsObserver observer;
     shown.push_back(without_gil([&] {
       return motion->solved && clip == nullptr ? shown_as_solved(*motion)
-                                               : shown_beside(*motion, clip);
+                                               : shown_beside(*motion, clip, observer);
     }));
+    observer.tell();
     shown.back().label = bytes_of_name(labels[i], "labels");
     shown.back().report.file = std::filesystem::path(motion->name).filename().string();
     gates_of(gates, motion->robot.loaded.data_folder).judge(shown.back().report);
@@ -124,11 +125,21 @@ nb::bytes strip_bytes(const MotionHandle& motion, int poses, bool svg, const std
   return nb::bytes(picture.data(), picture.size());
 }
 
+// Writes a page or a picture as the command does: completely, or the old file stays.
+void write_drawing(const nb::object& file, const nb::bytes& content, bool is_page) {
+  const std::string path = bytes_of_path(file, "output");
+  if (path == "-") raise(usage_failure("output: expected a file, found standard output").value());
+  value_of(is_page ? check_output_ending(path, {".html", ".htm"}, "a page in HTML")
+                   : check_output_ending(path, {".png", ".svg"}, "a picture"));
+  without_gil([&] { return write_file(path, {content.c_str(), content.size()}); });
+}
+
 }  // namespace
 
 void bind_pages(nb::module_& module) {
   module.def("page_html", &page_html, "motions"_a, "clips"_a, "labels"_a, "gates"_a.none(),
              "meshes"_a, "title"_a);
+  module.def("write_drawing", &write_drawing, "file"_a.none(), "content"_a, "is_page"_a);
   module.def("strip_bytes", &strip_bytes, "motion"_a, "poses"_a, "svg"_a, "title"_a);
 }
 

@@ -11,6 +11,7 @@
 #include "keywords.h"
 #include "raise.h"
 #include "retarget/reference.h"
+#include "watcher.h"
 
 namespace retarget::python {
 namespace {
@@ -42,7 +43,14 @@ nb::dict reference_arrays(const MotionHandle& motion, double rate) {
     options.limits = motion.solved->plan.limits;
     if (motion.solved->scene) options.scene = &motion.solved->scene->clip;
   }
-  MotionReference made = without_gil([&] { return make_reference(*motion.clip, options); });
+  Watcher watcher(nb::none());
+  options.keep_going = [&] { return watcher.keep_going({}); };
+  auto done = [&] {
+    const nb::gil_scoped_release released;
+    return make_reference(*motion.clip, options);
+  }();
+  watcher.rethrow();
+  MotionReference made = value_of(std::move(done));
   const std::size_t rows = made.samples, joints = made.joint_names.size();
   nb::dict arrays;
   arrays["fps"] = made.rate.fps();

@@ -172,6 +172,39 @@ Result<PlanAgain> plan_again(const StoredPlan& stored) {
   return PlanAgain{std::move(plan), std::move(robot), clip.shared()};
 }
 
+StoredRun stored_run(const RecordedRun& recorded) {
+  Run run = recorded.run;
+  StoredRun all;
+  all.motion = run.motion;
+  all.robot = stored_rows(robot_table(run.robot));
+  all.options = stored_rows(solving_table(run.options));
+  all.fit = stored_rows(fit_table(run.options.solve.fit));
+  all.fit_given = run.options.solve.fit_given;
+  all.mirror = recorded.mirror;
+  all.source_hash = recorded.source_hash;
+  all.limits = recorded.limits;
+  all.time_scale = recorded.time_scale;
+  return all;
+}
+
+Result<std::shared_ptr<const RecordedRun>> run_again(StoredRun stored) {
+  RecordedRun recorded;
+  Run& run = recorded.run;
+  run.motion = std::move(stored.motion);
+  RETARGET_TRY(restore_rows(robot_table(run.robot), stored.robot));
+  run.options.solve.fit_given = std::move(stored.fit_given);
+  RETARGET_TRY(restore_rows(solving_table(run.options), stored.options));
+  RETARGET_TRY(restore_rows(fit_table(run.options.solve.fit), stored.fit));
+  recorded.mirror = stored.mirror;
+  recorded.source_hash = std::move(stored.source_hash);
+  recorded.limits = std::move(stored.limits);
+  if (stored.time_scale) {
+    RETARGET_TRY(check_time_scale(*stored.time_scale));
+  }
+  recorded.time_scale = std::move(stored.time_scale);
+  return std::make_shared<const RecordedRun>(std::move(recorded));
+}
+
 Result<void> check_phases(const SourceContacts& contacts, int frames) {
   for (const auto& phases : contacts) {
     for (const ContactPhase& phase : phases) {
@@ -303,6 +336,9 @@ Result<std::string> stored(const MotionHandle& motion) {
     all.qpos.insert(all.qpos.end(), qpos.begin(), qpos.end());
   }
   RETARGET_TRY_ASSIGN(all.robot, stored(motion.robot));
+  if (motion.recorded) all.recorded = stored_run(*motion.recorded);
+  all.is_of_file = motion.is_of_file;
+  all.part_start = motion.part_start;
   if (const Motion* solved = motion.solved.get()) {
     StoredSolution& solution = all.solution.emplace();
     RETARGET_TRY_ASSIGN(solution.plan, stored_plan(solved->plan, motion.made_from, motion.robot));
@@ -332,6 +368,11 @@ Result<MotionHandle> motion_of_bytes(std::string_view bytes) {
   RETARGET_TRY(restore_rows(save_table(motion.save), all.save));
   motion.contacts = std::move(all.contacts);
   motion.rate_known = all.rate_known;
+  if (all.recorded) {
+    RETARGET_TRY_ASSIGN(motion.recorded, run_again(*std::move(all.recorded)));
+  }
+  motion.is_of_file = all.is_of_file;
+  motion.part_start = all.part_start;
   if (all.solution) {
     RETARGET_TRY_ASSIGN(motion.solved, solution_again(*std::move(all.solution), clip, motion.robot,
                                                       motion.made_from));

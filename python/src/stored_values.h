@@ -16,7 +16,7 @@
 namespace retarget::python {
 
 /// Increases with every change of the stored members.
-inline constexpr std::string_view kStoredVersion = "retarget pickle 2\n";
+inline constexpr std::string_view kStoredVersion = "retarget pickle 3\n";
 
 struct StoredOption {
   std::string name;
@@ -83,6 +83,21 @@ void fields(Archive& archive, StoredSolution& solution) {
           solution.failures);
 }
 
+struct StoredRun {
+  std::string motion;
+  StoredOptions robot, options, fit;
+  std::vector<std::string> fit_given;
+  bool mirror = false;
+  std::string source_hash, limits;
+  std::optional<TimeScale> time_scale;
+};
+
+template <typename Archive>
+void fields(Archive& archive, StoredRun& run) {
+  archive(run.motion, run.robot, run.options, run.fit, run.fit_given, run.mirror, run.source_hash,
+          run.limits, run.time_scale);
+}
+
 struct StoredMotion {
   std::string robot, name, summary;
   FrameRate rate;
@@ -92,12 +107,16 @@ struct StoredMotion {
   StoredOptions save;
   std::optional<FootContacts> contacts;
   std::optional<StoredSolution> solution;
+  std::optional<StoredRun> recorded;
+  bool is_of_file = true;
+  std::optional<double> part_start;
 };
 
 template <typename Archive>
 void fields(Archive& archive, StoredMotion& motion) {
   archive(motion.robot, motion.name, motion.summary, motion.rate, motion.frames, motion.rate_known,
-          motion.qpos, motion.save, motion.contacts, motion.solution);
+          motion.qpos, motion.save, motion.contacts, motion.solution, motion.recorded,
+          motion.is_of_file, motion.part_start);
 }
 
 /// FNV-1a: detects bytes that were truncated or changed.

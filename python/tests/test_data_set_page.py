@@ -104,7 +104,7 @@ def test_near_duplicates(data: Path, command, tmp_path: Path) -> None:
         (tmp_path / f"in/{name}.bvh").parent.mkdir(parents=True, exist_ok=True)
         clip.save(tmp_path / f"in/{name}.bvh")
     retarget.batch(tmp_path / "in", tmp_path / "out", "g1", jobs=1, quality=False)
-    group, = find_groups(read_results(tmp_path / "out"))
+    group, = find_groups(read_results(str(tmp_path / "out")))
     assert group.first.name == "a/walk.bvh" and group.mirrored == 1 and group.sources == 3
     assert [each.name for each in group.repeats] == ["b/mirrored.bvh", "b/turned.bvh", "c/part.bvh"]
     page = write_page(tmp_path / "out", tmp_path / "page.html").read_text()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import pickle
+import re
 import warnings
 from pathlib import Path
 
@@ -34,6 +35,16 @@ def test_the_text_is_the_command_s(data: Path, tmp_path: Path, command) -> None:
     assert error.kind == "input" and error.file == str(broken) and error.line == len(lines)
     assert error.column > 0 and error.message in str(error) and error.hint in str(error)
     assert not (tmp_path / "out.csv").exists()
+
+
+def test_hints_are_no_broken_commands(data: Path, tmp_path: Path) -> None:
+    for call in (lambda: retarget.batch([], tmp_path / "o", "unitree_g1"),
+                 lambda: retarget.load_motion(data / "walk.bvh", "g1"),
+                 lambda: retarget.load(tmp_path)):
+        with pytest.raises(retarget.Error) as raised:
+            call()
+        hint = raised.value.hint
+        assert hint and not re.search(r"\b(robot|bvh|help)\b (NAME|unitree|converts|shows)", hint)
 
 
 NOT_GIVEN = (0, 0.0, "", b"", [], (), False)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import collections
 import json
+import pickle
 import types
+import warnings
 from pathlib import Path
 
 import pytest
@@ -111,6 +113,73 @@ def test_what_was_solved_beside_another_clip(walk: retarget.Clip, g1: retarget.R
     assert retarget.evaluate(motion, again).data["frames"] == len(motion)
     fast = retarget.to_robot(walk, g1, method="gmr", fps=60)
     assert retarget.evaluate(fast, again).data["fps"] == 60.0
+
+
+@pytest.mark.parametrize("words", ["--start 2 --end 6", "--mirror", "--time-scale auto",
+                                   "--travel 0.8", "--frames 30:90 --method gmr"])
+def test_a_file_is_measured_as_its_sidecar_records(words: str, data: Path, tmp_path: Path,
+                                                   command) -> None:
+    clip, file = data / "walk.bvh", tmp_path / "x.csv"
+    command(clip, "unitree_g1", "-o", file, "--sidecar", *words.split())
+    expected = evaluated(command, tmp_path, file, "--robot", "unitree_g1", "--bvh", clip)
+    motion = retarget.load_motion(file, "unitree_g1")
+    assert retarget.evaluate(motion, clip).data == expected
+    # Without the record, the limbs are 2 to 20 degrees apart.
+    whole = retarget.evaluate(motion[:], clip).figures
+    assert whole["limb_angle_deg"] == expected["limb_angle_deg"][0]
+    part = retarget.evaluate(motion[20:], clip).figures
+    assert part["limb_angle_deg"] == pytest.approx(expected["limb_angle_deg"][0], abs=0.3)
+
+
+@pytest.mark.parametrize("options", [
+    {}, {"start": 2.0}, {"time_scale": "auto"}, {"time_scale": 0.5}, {"height": 1.3},
+    {"travel": 0.8}, {"terrain": "stairs:0.15x0.3"}, {"method": "gmr", "scale": "height"},
+], ids=str)
+def test_a_part_is_measured_as_it_was_solved(options: dict, data: Path, walk: retarget.Clip,
+                                             g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(walk, g1, **options)
+    expected = retarget.evaluate(motion).figures
+    names = ["limb_angle_deg", "track_pos_cm", "float_planted_pct", "stance_height_p50_cm"]
+    # A file has six decimals.
+    for same in (retarget.evaluate(motion, data / "walk.bvh"), retarget.evaluate(motion[:], walk)):
+        for name in names:
+            assert same.figures[name] == pytest.approx(expected[name], abs=2e-3), name
+    half = len(motion) // 2
+    parts = [retarget.evaluate(part, walk) for part in (motion[:half], motion[half:])]
+    mean = sum(part.figures["limb_angle_deg"] for part in parts) / 2
+    assert mean == pytest.approx(expected["limb_angle_deg"], abs=0.05)
+    stored = retarget.evaluate(pickle.loads(pickle.dumps(motion[half:])), walk)
+    assert stored.json == parts[1].json
+
+
+def test_other_parts_and_rates_of_a_part(walk: retarget.Clip, walked: retarget.Motion) -> None:
+    expected = retarget.evaluate(walked[60:120], walk).figures["limb_angle_deg"]
+    given = retarget.evaluate(walked[60:120], walk, start=2.0)
+    assert given.figures["limb_angle_deg"] == expected
+    assert retarget.evaluate(walked[60:120], walk, frames="60:").figures == given.figures
+    wrong = retarget.evaluate(walked[60:120], walk, start=0.0).figures["limb_angle_deg"]
+    assert wrong > 2.0 * expected
+    for other in (walked[60:].resample(50), walked.resample(50)[100:], walked[30:][30:]):
+        again = retarget.evaluate(other, walk).figures["limb_angle_deg"]
+        assert again == pytest.approx(expected, abs=0.3)
+
+
+def test_frames_without_a_source_are_a_warning(walk: retarget.Clip,
+                                               walked: retarget.Motion) -> None:
+    short = retarget.edit.trim(walk, end=2.0)
+    with pytest.warns(retarget.RetargetWarning, match="the source has 61 frames"):
+        retarget.evaluate(walked, short)
+    # A part ends before its source.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        retarget.evaluate(walked[10:50], walk)
+
+
+def test_gates_that_no_motion_can_pass(walked: retarget.Motion) -> None:
+    with pytest.raises(retarget.UsageError, match="peak_speed: expected a maximum"):
+        retarget.evaluate(walked, gates={"peak_speed": float("nan")})
+    with pytest.raises(retarget.UsageError, match="the minimum is above the maximum"):
+        retarget.evaluate(walked, gates={"peak_speed": (3, 1)})
 
 
 def test_gates_of_any_mapping(walk: retarget.Clip, g1: retarget.Robot) -> None:

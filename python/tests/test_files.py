@@ -177,6 +177,31 @@ def test_pictures_are_the_command_s(g1: retarget.Robot, data: Path, walked: reta
         retarget.picture("walk.csv")
 
 
+def test_a_page_that_cannot_be_written_keeps_the_old_one(walked: retarget.Motion,
+                                                         tmp_path: Path) -> None:
+    page = retarget.view(walked, tmp_path / "a.html")
+    old = (tmp_path / "a.html").read_bytes()
+    # No file may grow beyond 100 kB in this process.
+    program = ("import resource, signal, sys, retarget\n"
+               "motion = retarget.load_motion(sys.argv[1], 'unitree_g1', fps=30)\n"
+               "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+               "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))\n"
+               "try: retarget.view(motion, sys.argv[2])\n"
+               "except retarget.RunError as error: print('refused', error.file)\n")
+    walked.save(tmp_path / "a.csv")
+    done = subprocess.run([sys.executable, "-c", program, tmp_path / "a.csv", tmp_path / "a.html"],
+                          capture_output=True, text=True, check=True)
+    assert done.stdout == f"refused {tmp_path / 'a.html'}\n"
+    assert (tmp_path / "a.html").read_bytes() == old
+    for write in (page.save, lambda file: retarget.picture(walked, file)):
+        for file in (tmp_path / "none/x", tmp_path):
+            with pytest.raises(retarget.Error):
+                write(file)
+        with pytest.raises(retarget.UsageError, match="unsupported extension"):
+            write(tmp_path / "x.csv")
+    assert not (tmp_path / "x.csv").exists()
+
+
 def test_notebooks(walked: retarget.Motion) -> None:
     player = walked._repr_html_()
     assert player.startswith("<iframe") and player.endswith("</iframe>")

@@ -58,6 +58,7 @@ def test_wrong_qpos(walked: retarget.Motion, g1: retarget.Robot) -> None:
         r"qpos: expected shape \(n, 36\), found \(36,\)": lambda: make(good[0], g1, 30),
         r"qpos\[4, 9\]: expected a finite number, found nan":
             lambda: make(changed(4, 9, np.nan), g1, 30),
+        r"qpos\[5, 1\]: expected at most 1e6, found 1e\+39": lambda: make(changed(5, 1, 1e39), g1, 30),
         r"qpos\[2, 3:7\]: expected a unit quaternion w x y z, found the norm":
             lambda: make(changed(2, 3, 3.0), g1, 30),
         "qpos: expected at least one frame": lambda: make(good[:0], g1, 30),

@@ -171,6 +171,47 @@ def test_passed_motions_of_a_batch(data: Path, tmp_path: Path) -> None:
         main([*words, "--robot", "g1"])
 
 
+def batch_of_wave(data: Path, tmp_path: Path, robots="g1", **options) -> Path:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/wave.bvh").write_bytes((data / "wave.bvh").read_bytes())
+    retarget.batch(tmp_path / "in", tmp_path / "out", robots, end=0.5, quality=False, **options)
+    return tmp_path / "out"
+
+
+def test_two_formats_need_an_ending(data: Path, tmp_path: Path) -> None:
+    out = batch_of_wave(data, tmp_path, format="csv,pkl-gmr")
+    with pytest.raises(retarget.UsageError, match=r'same clip; ending="\.gmr\.pkl"'):
+        packs.clips_of(out)
+    assert packs.clips_of(out, ".csv") == {"wave": out / "wave.csv"}
+
+
+def test_the_robot_is_that_of_the_batch(data: Path, tmp_path: Path) -> None:
+    need("pyarrow")
+    # A robot with as many joints.
+    found = packs.clips_of(batch_of_wave(data, tmp_path, "agibot_x2"))
+    with pytest.raises(retarget.UsageError, match="records a motion of agibot_x2, but robot is"):
+        packs.write_lerobot(found, tmp_path / "set", robot="unitree_h2")
+    packs.write_lerobot(found, tmp_path / "set", robot="agibot_x2")
+
+
+def test_csvs_have_the_units_of_their_batch(data: Path, tmp_path: Path) -> None:
+    need("pyarrow")
+    out = batch_of_wave(data, tmp_path, csv_degrees=True, csv_centimetres=True)
+    made = packs.write_lerobot(packs.clips_of(out), tmp_path / "set", robot="g1")
+    largest = json.loads((made / "meta/stats.json").read_text())["observation.state"]["max"]
+    assert 0.7 < largest[2] < 0.9 and max(largest[7:]) < 3.0
+
+
+@pytest.mark.parametrize("kind", ["lerobot", "motion_v1"])
+def test_a_missing_clip_is_named(kind: str, data: Path, tmp_path: Path) -> None:
+    write = writer(kind)
+    found = packs.clips_of(batch_of_wave(data, tmp_path))
+    found["wave"].unlink()
+    with pytest.raises(FileNotFoundError, match=r"wave\.csv") as caught:
+        write(found, tmp_path / "set", robot="g1")
+    assert caught.value.filename == str(found["wave"])
+
+
 def test_csvs_have_the_rate_of_their_batch(data: Path, tmp_path: Path) -> None:
     need("pyarrow")
     (tmp_path / "in").mkdir()

@@ -63,6 +63,27 @@ def test_an_interrupt(method: str, long_walk: retarget.Clip, g1: retarget.Robot)
     timer.join()
 
 
+def test_an_interrupt_of_a_reference(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(long_walk, g1, method="gmr")
+    # Longer than the work, which takes several times this long on any machine.
+    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        motion.reference(1000)
+        pytest.fail("the reference was finished")
+    timer.join()
+
+
+def test_a_thread_that_runs_at_exit_is_no_leak(data: Path) -> None:
+    program = ("import retarget, sys, threading, time\n"
+               "clip = retarget.load(sys.argv[1])\n"
+               "threading.Thread(target=lambda: [time.sleep(0.01) for _ in iter(int, 1)],"
+               " daemon=True).start()\n")
+    done = subprocess.run([sys.executable, "-c", program, data / "walk.bvh"], capture_output=True,
+                          text=True, check=True)
+    assert done.stderr == ""
+
+
 def test_an_interrupt_where_a_shell_runs_the_tests_in_the_background() -> None:
     """Such a shell ignores SIGINT, and so would Python and all that it starts."""
     done = subprocess.run(
@@ -223,7 +244,8 @@ def test_nothing_leaks(data: Path) -> None:
     if os.environ.get("LD_PRELOAD"):
         pytest.skip("a sanitizer keeps freed memory")
     done = subprocess.run([sys.executable, "-c", textwrap.dedent(LEAKS), str(data), calls, clips],
-                          capture_output=True, text=True, check=False)
+                          capture_output=True, text=True, check=False,
+                          env={**os.environ, "RETARGET_REPORT_LEAKS": "1"})
     print(done.stdout)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "leak" not in done.stderr and done.stderr == ""

@@ -140,8 +140,12 @@ float square_distance(const Summary& a, const Summary& b) {
 
 class DuplicateFinder {
  public:
-  DuplicateFinder(const std::vector<const MotionSignature*>& clips, double limit)
-      : clips_(clips), limit_(limit), summaries_(summaries(clips)), tree_(summaries_) {}
+  DuplicateFinder(const std::vector<const MotionSignature*>& clips, double limit, bool chains)
+      : clips_(clips),
+        limit_(limit),
+        chains_(chains),
+        summaries_(summaries(clips)),
+        tree_(summaries_) {}
 
   std::vector<std::optional<DuplicateOf>> run(const std::function<bool()>& keep_going) {
     result_.resize(clips_.size());
@@ -168,7 +172,7 @@ class DuplicateFinder {
     return result;
   }
 
-  // Finds the nearest earlier clip that is kept. Compares only the candidates with similar
+  // Finds the nearest earlier clip that is kept, or any earlier one for chains. Compares only the candidates with similar
   // summaries.
   std::optional<DuplicateOf> nearest(std::size_t index, const MotionSignature& clip,
                                      bool is_image) {
@@ -177,7 +181,7 @@ class DuplicateFinder {
     constexpr std::size_t kCompared = 32;
     near_.clear();
     tree_.find(summary, Reach(clip.seconds), [&](std::size_t other) {
-      if (other >= index || result_[other] || clips_[other] == nullptr ||
+      if (other >= index || (result_[other] && !chains_) || clips_[other] == nullptr ||
           clips_[other]->samples.empty()) {
         return;
       }
@@ -202,6 +206,7 @@ class DuplicateFinder {
 
   const std::vector<const MotionSignature*>& clips_;
   const double limit_;
+  const bool chains_;
   const std::vector<Summary> summaries_;
   const SummaryTree tree_;
   std::vector<std::optional<DuplicateOf>> result_;
@@ -212,8 +217,8 @@ class DuplicateFinder {
 
 std::vector<std::optional<DuplicateOf>> find_duplicates(
     const std::vector<const MotionSignature*>& clips, const std::function<bool()>& keep_going,
-    double limit) {
-  return DuplicateFinder(clips, limit).run(keep_going);
+    double limit, bool chains) {
+  return DuplicateFinder(clips, limit, chains).run(keep_going);
 }
 
 std::map<std::string, RepeatedClip> repeated_clips(

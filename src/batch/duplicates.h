@@ -36,9 +36,10 @@ inline constexpr double kDuplicateDistance = 2.5;
 /// @param clips       clips in order of preference; null or empty clips are never duplicates.
 /// @param keep_going  polled regularly; when it returns false, the remaining clips are skipped.
 /// @param limit       maximum distance of a duplicate, degrees.
+/// @param chains      also finds earlier clips that are duplicates, so that results form chains.
 [[nodiscard]] std::vector<std::optional<DuplicateOf>> find_duplicates(
     const std::vector<const MotionSignature*>& clips, const std::function<bool()>& keep_going = {},
-    double limit = kDuplicateDistance);
+    double limit = kDuplicateDistance, bool chains = false);
 
 /// Signature of the motion that a run solves, as bytes.
 [[nodiscard]] std::string signature_of(const Plan& plan);

@@ -173,7 +173,13 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
   std::error_code ignored;
   if (request.redo) {
     if (shard.count > 1) return manifests;
-    for (const std::string& other : manifests_beside(folder, whole)) fs::remove(other, ignored);
+    for (const std::string& other : manifests_beside(folder, {})) {
+      // A damaged one names no files.
+      if (auto content = read_manifest(other)) {
+        append_to(manifests.discarded, std::move(content->entries));
+      }
+      if (other != whole) fs::remove(other, ignored);
+    }
     return manifests;
   }
   if (!request.resume) {

@@ -32,9 +32,10 @@ void sort_longest_first(std::vector<BatchInput>& inputs);
 
 /// The manifests in an output folder when a batch begins.
 struct BatchManifests {
-  std::string path;                   ///< The manifest that this batch writes.
-  std::vector<ManifestEntry> own;     ///< Entries of that manifest.
-  std::vector<ManifestEntry> others;  ///< Entries of other parts.
+  std::string path;                           ///< The manifest that this batch writes.
+  std::vector<ManifestEntry> own;             ///< Entries of that manifest.
+  std::vector<ManifestEntry> others;          ///< Entries of other parts.
+  std::vector<ManifestEntry> discarded = {};  ///< Entries that --redo discarded.
 };
 
 /// The clips of a call, for its robots.

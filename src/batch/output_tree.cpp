@@ -135,6 +135,56 @@ Result<void> check_outputs_spared(const std::vector<BatchInput>& inputs,
   return {};
 }
 
+Result<void> check_outputs_new(const std::vector<BatchInput>& inputs, const BatchRequest& request,
+                               const std::string& output, const std::list<BatchRobot>& robots,
+                               bool own) {
+  std::vector<std::string> planned;
+  if (own) planned.assign(kOwnFiles.begin(), kOwnFiles.end());
+  for (const BatchRobot& robot : robots) {
+    if (own && !request.pack.empty()) planned.push_back(robot.folder + request.pack);
+    for (const BatchInput& input : inputs) {
+      RETARGET_TRY_ASSIGN(const auto files, outputs_of(input, request, robot.folder));
+      planned.insert(planned.end(), files.begin(), files.end());
+    }
+  }
+  std::error_code ignored;
+  std::erase_if(planned, [&](const std::string& file) {
+    return !fs::exists(fs::symlink_status(fs::path(output) / file, ignored));
+  });
+  if (planned.empty()) return {};
+  constexpr std::size_t kShown = 3;
+  const bool is_link = fs::is_symlink(fs::path(output) / planned.front(), ignored);
+  return usage_failure("the batch would replace " + count_text(planned.size(), "file") +
+                           " of the folder \"" + output + "\" that no earlier batch records: " +
+                           list_names(planned, kShown) + (is_link ? "; the first is a link" : ""),
+                       "give a new folder; " RETARGET_OPTION("redo") " replaces the files");
+}
+
+std::vector<std::string> files_of_discarded(const std::string& folder,
+                                            const std::vector<ManifestEntry>& discarded,
+                                            const std::vector<BatchTask>& tasks,
+                                            const BatchRequest& request) {
+  std::set<std::string> written;
+  for (const BatchTask& task : tasks) {
+    const auto files = outputs_of(*task.input, request, task.robot->folder);
+    if (files) written.insert(files->begin(), files->end());
+  }
+  // A motion may be a folder of files.
+  const auto is_written = [&](const std::string& file) {
+    return written.contains(file) ||
+           written.contains(fs::path(file).parent_path().generic_string());
+  };
+  std::set<std::string> left;
+  for (const ManifestEntry& entry : discarded) {
+    for (const FileRecord& output : entry.outputs) {
+      if (!is_written(output.file) && is_file(fs::path(folder) / output.file)) {
+        left.insert(output.file);
+      }
+    }
+  }
+  return {left.begin(), left.end()};
+}
+
 std::set<fs::path> output_folders(const std::string& folder, const std::vector<BatchTask>& tasks) {
   std::set<fs::path> folders = {folder};
   for (const BatchTask& task : tasks) {

@@ -28,6 +28,18 @@ namespace retarget {
                                                 const std::string& output,
                                                 const std::list<BatchRobot>& robots);
 
+/// Checks that a new batch would replace no file, also not through a link. Errors: kUsage.
+/// @param own  also check the files of the batch itself, which the parts of a batch share.
+[[nodiscard]] Result<void> check_outputs_new(const std::vector<BatchInput>& inputs,
+                                             const BatchRequest& request, const std::string& output,
+                                             const std::list<BatchRobot>& robots, bool own);
+
+/// Files, relative to the output folder, of discarded manifest entries that the tasks do not write
+/// again.
+[[nodiscard]] std::vector<std::string> files_of_discarded(
+    const std::string& folder, const std::vector<ManifestEntry>& discarded,
+    const std::vector<BatchTask>& tasks, const BatchRequest& request);
+
 /// The output folders of these clips, including the folder of the batch.
 [[nodiscard]] std::set<std::filesystem::path> output_folders(const std::string& folder,
                                                              const std::vector<BatchTask>& tasks);

@@ -49,8 +49,7 @@ Result<void> check_request(const BatchRequest& request) {
   const SolveOptions& solve = request.run.options.solve;
   if (request.inputs.empty() && request.lists.empty() && request.clips.empty()) {
     return usage_failure("no motion files are given",
-                         "retarget batch clips/ -o out/ " RETARGET_OPTION("robot") " unitree_g1; "
-                         "retarget batch " RETARGET_OPTION("help") " shows more");
+                         "give files, folders, patterns or lists of clips, such as clips/");
   }
   if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_config_kind(solve.ik_config)) {
     return usage_failure(
@@ -291,6 +290,20 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   return kept;
 }
 
+// Warns of motions of a discarded batch that this one does not replace.
+void warn_of_discarded_files(const std::string& folder, const BatchPlan& plan,
+                             const std::vector<ManifestEntry>& discarded,
+                             const BatchRequest& request, Observer& observer) {
+  const auto files = files_of_discarded(folder, discarded, plan.tasks, request);
+  if (files.empty()) return;
+  constexpr std::size_t kShown = 3;
+  observer.warn({{0, 0,
+                  count_text(files.size(), "file") +
+                      " of the discarded batch remain in place and are not in the new manifest: " +
+                      list_names(files, kShown)}},
+                folder);
+}
+
 // Warns of output files that the current options no longer create.
 void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
                            const FinishedClips& finished, bool certify, Observer& observer) {
@@ -420,6 +433,9 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   RETARGET_TRY_ASSIGN(const BatchLocks locks, take_locks(folder, shard, observer));
   RETARGET_TRY_ASSIGN(const BatchManifests manifests,
                       open_manifests(folder, shard, request, observer));
+  if (!request.resume && !request.redo) {
+    RETARGET_TRY(check_outputs_new(plan.inputs, request, folder, plan.robots, shard.count == 1));
+  }
   std::vector<ManifestEntry> known = manifests.own;
   known.insert(known.end(), manifests.others.begin(), manifests.others.end());
   const FinishedClips finished(std::move(known), folder);
@@ -428,6 +444,7 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   const std::set<fs::path> folders = output_folders(folder, plan.tasks);
   if (alone) remove_unfinished(folder, folders);
   warn_of_earlier_files(folder, plan, finished, request.certify, observer);
+  warn_of_discarded_files(folder, plan, manifests.discarded, request, observer);
   RETARGET_TRY(write_options_file(folder, plan.robots));
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
   manifest.reset();  // Windows does not replace open files.

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <regex>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "batch/duplicates.h"
@@ -55,21 +56,52 @@ std::string cmu_subject(const std::string& stem) {
                                                : std::string();
 }
 
-// A folder belongs to a subject if its files are named as in AMASS, or if its name looks like a
-// subject: `KIT/3`, `s1`.
+// A folder belongs to a subject if its name looks like one, `KIT/3`, `s1`, also with folders below
+// it, or if its files are named as in AMASS.
 std::string subject_folder(const fs::path& folder, const std::string& stem) {
   static const std::regex kAmass(".*_(poses|stageii|stagei)$", std::regex::icase);
   static const std::regex kPerson("(s|p|subject|subj|sub|actor|person)?[ _-]?[0-9]{1,3}",
                                   std::regex::icase);
   static const std::regex kSex("((?:fe)?male[ _-]?[0-9]+).*", std::regex::icase);
-  const std::string name = folder.filename().generic_string();
-  std::smatch match;
-  if (std::regex_match(name, match, kSex)) {
-    return (folder.parent_path() / lower_case(match[1].str())).generic_string();
+  for (fs::path at = folder; at.has_filename(); at = at.parent_path()) {
+    const std::string name = at.filename().generic_string();
+    std::smatch match;
+    if (std::regex_match(name, match, kSex)) {
+      return (at.parent_path() / lower_case(match[1].str())).generic_string();
+    }
+    if (std::regex_match(name, kPerson)) return at.generic_string();
   }
-  const bool is_subject =
-      !name.empty() && (std::regex_match(stem, kAmass) || std::regex_match(name, kPerson));
-  return is_subject ? folder.generic_string() : std::string();
+  return std::regex_match(stem, kAmass) ? folder.generic_string() : std::string();
+}
+
+fs::path input_path(const ManifestEntry& clip) {
+  return fs::path(clip.input.file).lexically_normal();
+}
+
+// The folder above all input files.
+fs::path common_folder(const std::vector<const ManifestEntry*>& clips) {
+  fs::path common;
+  for (const ManifestEntry* clip : clips) {
+    const fs::path folder = input_path(*clip).parent_path();
+    if (clip == clips.front()) common = folder;
+    fs::path shared;
+    for (auto a = common.begin(), b = folder.begin();
+         a != common.end() && b != folder.end() && *a == *b; ++a, ++b) {
+      shared /= *a;
+    }
+    common = std::move(shared);
+  }
+  return common;
+}
+
+// The group of a clip by its name below the given folder. Without a person in it, the folders of
+// the file decide, because a list or a named folder leaves them out of the name. A folder above all
+// files identifies no person.
+ClipGroup group_of_clip(const ManifestEntry& clip, const fs::path& common) {
+  ClipGroup group = group_of(clip.variant.source.empty() ? clip.relative : clip.variant.source);
+  if (group.is_subject) return group;
+  ClipGroup by_folder = group_of(input_path(clip).lexically_relative(common).generic_string());
+  return by_folder.is_subject ? by_folder : group;
 }
 
 // `M000001` is the mirror image of `000001`.
@@ -129,9 +161,9 @@ void spare_one_for(std::vector<DrawnGroup>& groups, SplitSide side) {
   if (smallest != nullptr) smallest->side = side;
 }
 
-// Maximum distance in degrees between two files of one recording. It is far below
-// kDuplicateDistance, because a wrong pair would merge all clips of two persons (docs/batch.md has
-// measurements).
+// Maximum distance in degrees between two files of one recording whose names say two persons. It is
+// far below kDuplicateDistance, because a wrong pair would merge all clips of two persons
+// (docs/batch.md has measurements). A copy trimmed by a few frames may be farther away.
 constexpr double kTwinDistance = 0.5;
 // Minimum root mean square change of a movement, degrees. Clips that move less look alike for any
 // person.
@@ -140,7 +172,10 @@ constexpr double kLeastMovement = 2.0;
 // Disjoint sets of group keys. The first key in sort order represents a merged group.
 class KeySets {
  public:
-  void add(const std::string& key) { first_.emplace(key, key); }
+  void add(const std::string& key, bool is_subject) {
+    first_.emplace(key, key);
+    if (is_subject) of_subjects_.insert(key);
+  }
   [[nodiscard]] const std::string& first_of(const std::string& key) {
     std::string& parent = first_.at(key);
     if (parent != key) parent = first_of(parent);
@@ -150,10 +185,17 @@ class KeySets {
     std::string low = first_of(a), high = first_of(b);
     if (high < low) std::swap(low, high);
     first_.at(high) = low;
+    if (of_subjects_.contains(high)) of_subjects_.insert(low);
+  }
+  /// Whether a and b are of two persons, so that joining them merges all clips of both.
+  [[nodiscard]] bool are_two_subjects(const std::string& a, const std::string& b) {
+    const std::string &first = first_of(a), &second = first_of(b);
+    return first != second && of_subjects_.contains(first) && of_subjects_.contains(second);
   }
 
  private:
   std::map<std::string, std::string> first_;
+  std::set<std::string> of_subjects_;  // First keys of sets with a person.
 };
 
 double movement(const MotionSignature& signature) {
@@ -190,13 +232,20 @@ void join_twins(const std::vector<const ManifestEntry*>& clips,
     if (movement(signature) < kLeastMovement) continue;
     known.push_back({clip.relative, &keys[i], std::move(signature)});
   }
-  std::ranges::sort(known, {}, &Signed::relative);
+  // Longest first: each copy that was cut shorter is near the one before it.
+  std::ranges::sort(known, [](const Signed& a, const Signed& b) {
+    return std::tie(b.signature.seconds, a.relative) < std::tie(a.signature.seconds, b.relative);
+  });
   std::vector<const MotionSignature*> signatures;
   signatures.reserve(known.size());
   for (const Signed& each : known) signatures.push_back(&each.signature);
-  const auto found = find_duplicates(signatures, {}, kTwinDistance);
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    if (found[i]) sets.join(*known[i].key, *known[found[i]->index].key);
+  for (const double limit : {kTwinDistance, kDuplicateDistance}) {
+    const auto found = find_duplicates(signatures, {}, limit, true);
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      if (!found[i]) continue;
+      const std::string &a = *known[i].key, &b = *known[found[i]->index].key;
+      if (limit == kTwinDistance || !sets.are_two_subjects(a, b)) sets.join(a, b);
+    }
   }
 }
 
@@ -276,11 +325,11 @@ SplitGroups split_groups(const std::vector<const ManifestEntry*>& clips) {
   SplitGroups groups;
   KeySets sets;
   std::map<std::string, bool> names;  // By key: whether the name identifies a person.
+  const fs::path common = common_folder(clips);
   for (const ManifestEntry* clip : clips) {
-    const std::string& file = clip->variant.source.empty() ? clip->relative : clip->variant.source;
-    ClipGroup group = group_of(file);
+    ClipGroup group = group_of_clip(*clip, common);
     names.emplace(group.key, group.is_subject);
-    sets.add(group.key);
+    sets.add(group.key, group.is_subject);
     groups.keys.push_back(std::move(group.key));
   }
   join_copies(clips, groups.keys, sets);

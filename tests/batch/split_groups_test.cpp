@@ -96,6 +96,62 @@ TEST(SplitGroups, DoNotDependOnTheOrder) {
   } while (std::ranges::next_permutation(entries, {}, &ManifestEntry::relative).found);
 }
 
+ManifestEntry listed(const std::string& name, const std::string& file) {
+  ManifestEntry entry = clip(name, file);
+  entry.input.file = file;
+  return entry;
+}
+
+TEST(SplitGroups, TakeThePersonFromTheFoldersOfAFile) {
+  EXPECT_EQ(keys_of({listed("walk_poses.npz", "amass/KIT/3/walk_poses.npz"),
+                     listed("run_poses.npz", "./amass/KIT/3/run_poses.npz"),
+                     listed("sit_poses.npz", "amass/KIT/4/sit_poses.npz")}),
+            (std::vector<std::string>{"3", "3", "4"}));
+  EXPECT_EQ(keys_of({listed("a.npz", "GRAB/s1/day1/a.npz"), listed("b.npz", "GRAB/s1/day2/b.npz"),
+                     listed("c.npz", "GRAB/s2/day1/c.npz")}),
+            (std::vector<std::string>{"s1", "s1", "s2"}));
+}
+
+TEST(SplitGroups, TakeNoPersonFromAFolderAboveAllFiles) {
+  EXPECT_EQ(keys_of({listed("a_poses.npz", "/mnt/1/a_poses.npz"),
+                     listed("b_poses.npz", "/mnt/1/b_poses.npz")}),
+            (std::vector<std::string>{"a_poses", "b_poses"}));
+}
+
+// About a degree from swinging(3), like a copy that is trimmed off the grid of the signature.
+MotionSignature swinging_nearly() {
+  MotionSignature of = swinging(3);
+  for (std::size_t i = 0; i < of.samples.size(); i += 2) of.samples[i] += 2;
+  return of;
+}
+
+TEST(SplitGroups, JoinNearFilesUnlessTheyAreOfTwoPersons) {
+  ASSERT_GT(signature_distance(swinging(3), swinging_nearly()), 0.5);
+  ASSERT_LT(signature_distance(swinging(3), swinging_nearly()), 2.5);
+  const auto keys = [](const std::string& a, const std::string& b) {
+    std::vector<ManifestEntry> entries = {clip(a, "1"), clip(b, "2")};
+    entries[0].signature = signature_bytes(swinging(3));
+    entries[1].signature = signature_bytes(swinging_nearly());
+    return keys_of(entries);
+  };
+  EXPECT_EQ(keys("a.bvh", "b.bvh"), (std::vector<std::string>{"a", "a"}));
+  EXPECT_EQ(keys("walk_subject1.bvh", "b.bvh"), (std::vector<std::string>{"b", "b"}));
+  EXPECT_EQ(keys("walk_subject1.bvh", "walk_subject2.bvh"),
+            (std::vector<std::string>{"subject 1", "subject 2"}));
+}
+
+TEST(SplitGroups, JoinCopiesThatAreCutShorterStepByStep) {
+  std::vector<ManifestEntry> entries = {clip("c.bvh", "1"), clip("a.bvh", "2"), clip("b.bvh", "3")};
+  // The first and the last differ too much in length to be compared.
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    MotionSignature cut = swinging(3);
+    cut.samples.resize(cut.samples.size() - 2 * i * kSignatureNumbers);
+    cut.seconds -= 0.4 * static_cast<double>(i);
+    entries[i].signature = signature_bytes(cut);
+  }
+  EXPECT_EQ(keys_of(entries), (std::vector<std::string>{"a", "a", "a"}));
+}
+
 TEST(SplitGroups, JoinMirroredFilesOfAnyName) {
   std::vector<ManifestEntry> entries = {clip("x.bvh", "1"), clip("y.bvh", "2"), clip("z.bvh", "3")};
   entries[0].signature = signature_bytes(mirrored(swinging(3)));

@@ -59,7 +59,9 @@ TEST(GroupOf, FindsTheSubjectInNames) {
       {"BMLrub/rub001/0000_treadmill_norm_poses.npz", "BMLrub/rub001"},
       {"ACCAD/Female1General_c3d/A1 - Stand_poses.npz", "ACCAD/female1"},
       {"ACCAD/Female1Walking_c3d/B1_stageii.npz", "ACCAD/female1"},
-      {"GRAB/s1/airplane_fly_1.npz", "GRAB/s1"}};
+      {"GRAB/s1/airplane_fly_1.npz", "GRAB/s1"},
+      {"GRAB/s1/day1/airplane_fly_1.npz", "GRAB/s1"},
+      {"KIT/3/morning/walk_poses.npz", "KIT/3"}};
   for (const auto& [name, key] : subjects) {
     const ClipGroup group = group_of(name);
     EXPECT_EQ(group.key, key) << name;

@@ -210,6 +210,32 @@ class Resume(BatchTest):
 
 
 class NothingIsLost(BatchTest):
+    def test_a_new_batch_replaces_no_foreign_file(self):
+        self.clips("a.bvh", "b.bvh")
+        for name, text in (("out/b.csv", "mine"), ("precious.txt", "precious")):
+            self.write(name, text)
+        (self.folder / "out/a.csv").symlink_to("../precious.txt")
+        self.assert_fails(self.batch(), 2, "would replace 2 files", "a.csv, b.csv",
+                          "the first is a link", "--redo")
+        self.assertEqual((self.folder / "precious.txt").read_text(), "precious")
+        self.assertEqual((self.folder / "out/b.csv").read_text(), "mine")
+        self.assertEqual(list((self.folder / "out").glob("manifest*")), [])
+        for name in ("a.csv", "b.csv"):
+            (self.folder / "out" / name).unlink()
+        self.write("out/summary.csv", "mine")
+        self.assert_fails(self.batch(), 2, "would replace 1 file of", "summary.csv")
+        self.assert_done(self.batch("--redo"))
+
+    def test_redo_names_the_motions_that_it_leaves(self):
+        self.clips("a.bvh", "b.bvh", "c.bvh")
+        self.assert_done(self.batch(robot="unitree_g1,booster_t1"))
+        for name in ("b.bvh", "c.bvh"):
+            (self.folder / "in" / name).unlink()
+        for times in (1, 0):
+            done = self.batch("--redo", robot="unitree_g1,booster_t1")
+            self.assert_done(done)
+            self.assertEqual(done.stderr.count("4 files of the discarded batch remain"), times)
+
     def test_wrong_options_touch_no_motion(self):
         self.clips("a.bvh", "b.bvh")
         self.assert_done(self.batch())
@@ -227,8 +253,8 @@ class NothingIsLost(BatchTest):
         (self.folder / "out/y.csv").mkdir(parents=True)
         (self.folder / "out/z.csv").write_text("precious")
         (self.folder / "out/manifest_of_mine.jsonl").write_text("{}")
-        for how in ([], ["--redo"]):
-            self.assertEqual(self.batch(*how).returncode, 1)
+        for how, code in (([], 2), (["--redo"], 1)):
+            self.assertEqual(self.batch(*how).returncode, code)
         self.run_tool("batch", "--merge", "-o", "out")
         self.assertEqual((self.folder / "out/z.csv").read_text(), "precious")
         self.assertTrue((self.folder / "out/manifest_of_mine.jsonl").exists())

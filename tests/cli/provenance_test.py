@@ -16,6 +16,12 @@ class Provenance(FormatsTest):
     def verify(self, name="out.csv.json", **options):
         return self.run_tool("verify", name, **options)
 
+    def test_a_folder_called_like_the_robot_is_not_the_robot(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:9", "--sidecar",
+                                       bvh="in.bvh", output="out.csv"))
+        (self.folder / "unitree_g1").mkdir()
+        self.assert_done(self.verify())
+
     def test_sidecar(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:60", "--sidecar",
                                        "--format", "csv,npz-mjlab", bvh="in.bvh", output="out"))

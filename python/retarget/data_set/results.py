@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import binascii
 import math
+import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -55,7 +56,7 @@ class Result:
         return folder if slash else "(no folder)"
 
 
-def read_results(folder: Path) -> list[Result]:
+def read_results(folder: str | os.PathLike[str]) -> list[Result]:
     """Returns the last result of every clip and robot, sorted by name.
 
     Args:
@@ -65,6 +66,7 @@ def read_results(folder: Path) -> list[Result]:
         InputError: the folder has neither.
         ConfigError: the manifest is Parquet, and pyarrow is not installed.
     """
+    folder = Path(folder)
     results: dict[tuple[str, str], Result] = {}
     if (folder / "manifest.jsonl").is_file():
         for line in manifest_lines(folder / "manifest.jsonl", "replace"):

@@ -36,6 +36,22 @@ class BatchClips(dict[str, Path]):
         super().__init__()
         self.csv_rates: dict[str, float] = {}
         """Frames per second of CSVs, which do not state them, by name, as the batch recorded."""
+        self.csv_units: dict[str, dict[str, str]] = {}
+        """Options of load_motion() for CSVs in degrees or centimetres, by name, as recorded."""
+        self.robots: dict[str, str] = {}
+        """Names of the robots, as recorded."""
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """A line of the manifest of a batch."""
+
+    files: list[str]
+    """Relative to the folder of the batch."""
+    robot: str
+    fps: float
+    options: str
+    """Key of the options in options.json."""
 
 
 def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
@@ -47,12 +63,12 @@ def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
             Names lack it; without `ending`, names lack the last extension.
 
     Returns:
-        Files by the name of their clip, "a/walk". The writers read CSVs at the rate that the
-        manifest of the batch records.
+        Files by the name of their clip, "a/walk". The writers read CSVs at the rate and in the
+        units that the batch records.
 
     Raises:
         InputError: the folder has no passed.txt.
-        UsageError: two files have the same name, so `ending` is needed.
+        UsageError: two files are of the same clip, so `ending` is needed.
     """
     folder = Path(folder)
     listed = folder / "passed.txt"
@@ -60,51 +76,78 @@ def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
         raise InputError(f"{listed}: no such file; expected the output folder of a batch",
                          file=str(listed))
     clips = BatchClips()
-    csvs: dict[str, str] = {}
+    names: dict[str, str] = {}
     for line in listed.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
         if not line or (ending is not None and not line.endswith(ending)):
             continue
         name = line[:-len(ending)] if ending else str(PurePosixPath(line).with_suffix(""))
         if name in clips:
-            raise UsageError(f'"{line}" and "{clips[name]}" have the same name; '
-                             'ending=".mjlab.npz" takes the files with this end')
+            raise _same_clip(str(clips[name].relative_to(folder)), line)
         clips[name] = folder / line
-        if line.lower().endswith(".csv"):
-            csvs[line] = name
-    if csvs:
-        clips.csv_rates = {csvs[file]: fps for file, fps in _recorded_rates(folder)
-                           if file in csvs and fps > 0}
+        names[line] = name
+    units = _csv_units(folder)
+    for entry in _entries(folder):
+        taken = [file for file in entry.files if file in names]
+        if len(taken) > 1:
+            raise _same_clip(*taken[:2])
+        for file in taken:
+            name = names[file]
+            clips.robots[name] = entry.robot
+            if not file.lower().endswith(".csv"):
+                continue
+            if entry.fps > 0:
+                clips.csv_rates[name] = entry.fps
+            if entry.options in units:
+                clips.csv_units[name] = units[entry.options]
     return clips
 
 
-def _recorded_rates(folder: Path) -> Iterator[tuple[str, float]]:
-    """Yields the files of a batch, relative to its folder, with their frames per second."""
+def _same_clip(a: str, b: str) -> UsageError:
+    end = b[os.path.commonprefix([a, b]).rfind("."):]
+    return UsageError(f'"{a}" and "{b}" are of the same clip; ending="{end}" takes the files with '
+                      'this end')
+
+
+def _csv_units(folder: Path) -> dict[str, dict[str, str]]:
+    """Returns the options of load_motion() that the units of CSVs need, by key of options.json."""
+    try:
+        runs = json.loads((folder / "options.json").read_bytes())
+        return {run["options_hash"]:
+                ({"source_angles": "deg"} if run["options"].get("csv-degrees") == "true" else {}) |
+                ({"source_unit": "cm"} if run["options"].get("csv-centimetres") == "true" else {})
+                for run in runs}
+    except (AttributeError, KeyError, OSError, TypeError, ValueError):
+        return {}  # Of an older version, or damaged: units are then detected.
+
+
+def _entries(folder: Path) -> Iterator[_Entry]:
+    """Yields the lines of the manifest of a batch."""
     manifest = folder / "manifest.jsonl"
     if manifest.is_file():
         with manifest.open("rb") as lines:
-            for line in lines:
-                yield from _rates_of_line(line)
+            yield from filter(None, map(_entry_of_line, lines))
     elif (folder / "manifest").is_dir():
         # Of retarget_dataset(); this module cannot import it above, because it imports packs.
         from retarget.data_set.manifest import read_manifest
 
-        table = read_manifest(folder, ["outputs", "fps"])
+        table = read_manifest(folder, ["outputs", "robot", "fps"])
         for batch in table.to_batches():
             for row in batch.to_pylist():
-                yield from ((each["file"], row["fps"] or 0.0) for each in row["outputs"] or [])
+                yield _Entry([each["file"] for each in row["outputs"] or []], row["robot"] or "",
+                             row["fps"] or 0.0, "")
 
 
-def _rates_of_line(line: bytes) -> Iterator[tuple[str, float]]:
-    """Yields the files of a line of manifest.jsonl; none for a truncated line."""
+def _entry_of_line(line: bytes) -> _Entry | None:
+    """Returns a line of manifest.jsonl; None for a truncated line."""
     try:
         entry = json.loads(line)
-        for output in entry["outputs"]:
-            # A name that is not UTF-8 has its bytes beside it.
-            name = output.get("file_hex")
-            yield (output["file"] if name is None else
-                   bytes.fromhex(name).decode(errors="surrogateescape")), float(entry["fps"])
+        # A name that is not UTF-8 has its bytes beside it.
+        files = [output["file"] if output.get("file_hex") is None else
+                 bytes.fromhex(output["file_hex"]).decode(errors="surrogateescape")
+                 for output in entry["outputs"]]
+        return _Entry(files, str(entry["robot"]), float(entry["fps"]), str(entry["options_hash"]))
     except (AttributeError, KeyError, TypeError, ValueError):
-        return
+        return None
 
 
 def ascending(clips: Clips) -> Iterator[tuple[str, Source]]:
@@ -137,13 +180,17 @@ class MotionReader:
     Without `fps`, CSVs have the rate of their sidecar or of the manifest of their batch.
     """
 
+    # Of a batch, by name.
+    _csv_rates: Mapping[str, float] = {}
+    _csv_units: Mapping[str, dict[str, str]] = {}
+    _robots: Mapping[str, str] = {}
+
     def __init__(self, robot: _retarget.Robot | StrPath | None, fps: float | None) -> None:
         if robot is not None and not isinstance(robot, _retarget.Robot):
             robot = _retarget.Robot(robot)
         self.robot = robot
         self.fps = fps
         self._csv_fps = fps
-        self._csv_rates: Mapping[str, float] = {}
         self.joint_names: list[str] | None = None
         self.contact_names: list[str] = []
 
@@ -155,7 +202,8 @@ class MotionReader:
             InputError: a file that is not a motion of the robot.
         """
         if isinstance(clips, BatchClips):
-            self._csv_rates = clips.csv_rates
+            self._csv_rates, self._csv_units = clips.csv_rates, clips.csv_units
+            self._robots = clips.robots
         for name, source in ascending(clips):
             motion = self._motion(name, source)
             self._check(name, motion)
@@ -170,7 +218,12 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source))
+        recorded = self._robots.get(name, self.robot.name)
+        if recorded != self.robot.name:
+            raise UsageError(f"clips[{name!r}]: the batch records a motion of {recorded}, but "
+                             f"robot is {self.robot.name}")
+        return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
+                                    **self._csv_units.get(name, {}))
 
     def _rate(self, name: str, source: StrPath) -> float | None:
         """Returns the rate of a CSV; None: the file or its sidecar has a rate."""

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
-from retarget._errors import RunError, UsageError
+from retarget._errors import Error, RunError, UsageError
 
 Item = TypeVar("Item")
 UNFINISHED = ".unfinished"
@@ -44,6 +44,8 @@ def new_folder(folder: str | os.PathLike[str], replace: bool) -> Iterator[Path]:
         unfinished.rename(target)
         shutil.rmtree(earlier, ignore_errors=True)
     except OSError as error:
+        if isinstance(error, Error):  # Of a clip that the block reads.
+            raise
         raise RunError(f"{target}: {error.strerror or error}", file=str(target)) from error
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)

@@ -119,9 +119,8 @@ Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
 Result<void> check_no_folder(const std::string& path) {
   std::error_code ignored;
   if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
-  return input_failure(
-      path, "expected a motion file, found a directory",
-      "retarget batch " + path + " -o OUT " OPTION("robot") " NAME takes a folder of clips");
+  return input_failure(path, "expected a motion file, found a directory",
+                       "retarget batch takes a folder of clips");
 }
 
 Result<Clip> load_clip(const std::string& file, const SourceOptions& options,

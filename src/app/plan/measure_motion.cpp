@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -9,6 +11,8 @@
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/source_hands.h"
 #include "retarget/check_options.h"
+#include "retarget/clip.h"
+#include "retarget/contact_edits.h"
 #include "retarget/human.h"
 #include "retarget/measure.h"
 #include "retarget/motion.h"
@@ -52,6 +56,23 @@ TrunkRule trunk_rule(const Plan& plan) {
   return plan.options.solve.method == Method::kGmr ? TrunkRule::kBones : TrunkRule::kLines;
 }
 
+void skip_frames(HumanClip& human, int frames) {
+  human.world_from_bone.erase(human.world_from_bone.begin(),
+                              human.world_from_bone.begin() + frames);
+  human.frame_count -= frames;
+}
+
+std::shared_ptr<const SceneWorld> without_first(SceneWorld world, int frames) {
+  SceneClip& clip = world.clip;
+  const auto poses = static_cast<std::ptrdiff_t>(clip.scene->bodies.size()) * frames;
+  clip.world_from_body.erase(clip.world_from_body.begin(), clip.world_from_body.begin() + poses);
+  for (StatedContact& contact : clip.contacts) {
+    contact.touches.erase(contact.touches.begin(), contact.touches.begin() + frames);
+  }
+  clip.frame_count -= frames;
+  return std::make_shared<const SceneWorld>(std::move(world));
+}
+
 // Mean angle between the limbs of robot and human, degrees.
 double limb_angle(const QualityReport& report) {
   const MetricValue* found = report.find("limb_angle_deg");
@@ -79,6 +100,26 @@ Result<MeasuredSource> measured_source(Plan plan) {
   TRY_ASSIGN(source.human_with_lead_in,
              human_of(plan, source.fingers_with_lead_in, source.scene_with_lead_in));
   return source;
+}
+
+void skip_frames(MeasuredSource& source, int frames) {
+  const int skipped = std::clamp(frames, 0, source.human.frame_count - 1);
+  if (skipped == 0) return;
+  skip_frames(source.human, skipped);
+  if (source.human_with_lead_in) skip_frames(*source.human_with_lead_in, skipped);
+  for (auto* fingers : {&source.fingers, &source.fingers_with_lead_in}) {
+    if (!*fingers) continue;
+    *fingers = std::make_shared<const Clip>(cut(**fingers, skipped, (*fingers)->frame_count()));
+  }
+  for (auto* scene : {&source.scene, &source.scene_with_lead_in}) {
+    if (*scene) *scene = without_first(**scene, skipped);
+  }
+  const double time = skipped * source.rate.frame_time();
+  std::erase_if(source.contact_edits, [&](const ContactEdit& edit) { return edit.end < time; });
+  for (ContactEdit& edit : source.contact_edits) {
+    edit.start = std::max(edit.start - time, 0.0);
+    edit.end -= time;
+  }
 }
 
 MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,

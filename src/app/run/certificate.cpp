@@ -283,7 +283,7 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   MeasureRequest here = request;
   here.data_folder = data_folder;
   find_moved(here.run.motion, beside);
-  find_moved(here.run.robot.name, beside);
+  find_moved_robot(here.run.robot.name, beside, data_folder);
   here.motions = {(beside / name).string()};
   TRY_ASSIGN(const std::string hash, hash_file(here.motions.front()));
   if (Json(hash) != recorded["motion"].value("hash", Json())) {

@@ -100,7 +100,7 @@ void choose_part(const RecordedMotions& motions, Run& run, RunRequest& of_source
                  Observer& observer) {
   if (motions.empty()) return;
   std::vector<std::string> shown;
-  for (const auto& [file, recorded] : motions) {
+  for (const auto& [file, recorded, part_start] : motions) {
     if (recorded) {
       name_options_left_out(file, *recorded, run, observer);
       name_other_limits(file, *recorded, run, observer);
@@ -116,7 +116,7 @@ void choose_part(const RecordedMotions& motions, Run& run, RunRequest& of_source
     return;
   }
   if (shown.front().empty()) return;
-  const auto& [file, first] = motions.front();
+  const auto& [file, first, part_start] = motions.front();
   if (!is_same_source(*first, run.motion)) {
     observer.warn({{0, 0,
                     "the sidecar records " + shown.front() +

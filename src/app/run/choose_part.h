@@ -4,16 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "retarget/measure_files.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
 
 namespace retarget {
 
-/// A motion file and what its sidecar records; see recorded_run.
-struct RecordedMotion {
-  std::string file;
-  std::optional<RecordedRun> recorded;
-};
 using RecordedMotions = std::vector<RecordedMotion>;
 
 [[nodiscard]] RecordedMotions recorded_motions(const std::vector<std::string>& files);

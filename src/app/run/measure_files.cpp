@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -24,24 +25,30 @@ namespace fs = std::filesystem;
 // a factor. Without a record, `auto` is decided again.
 Result<void> choose_time_scale(const RecordedMotions& motions, Plan& plan, Observer& observer) {
   if (plan.time_scale || motions.empty()) return {};
-  const auto& [file, recorded] = motions.front();
+  const auto& [file, recorded, part_start] = motions.front();
   if (recorded) plan.time_scale = recorded->time_scale;
   if (plan.time_scale) {
     observer.line("slowed", number_text(plan.time_scale->longer, 2) +
                                 " s longer, as the sidecar of " + file + " records it");
     return {};
   }
+  // The run found nothing to slow.
+  if (recorded && recorded->run.options.solve.time_scale == "auto") return {};
   TRY_ASSIGN(plan, decide_time_scale(std::move(plan)));
   return {};
 }
 
+// @param clip  the source if it has been read; empty: a file of the run.
 Result<void> add_source(const RecordedMotions& motions, Run run, RunRequest of_source,
-                        LoadedRobot robot, Measures& measures, Observer& observer) {
+                        std::optional<Clip> clip, LoadedRobot robot, Measures& measures,
+                        Observer& observer) {
   choose_part(motions, run, of_source, observer);
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
   // Joints that do not follow the human have no range.
   measures.limits = setup.limits;
-  TRY_ASSIGN(Plan plan, read_and_plan(run, of_source, setup, observer));
+  auto planned = clip ? plan_clip(*std::move(clip), run, of_source, setup, observer)
+                      : read_and_plan(run, of_source, setup, observer);
+  TRY_ASSIGN(Plan plan, std::move(planned));
   TRY(choose_time_scale(motions, plan, observer));
   plan.config = measured_config(plan, setup);
   // The method that solved the motion determines the targets of its trunk.
@@ -54,8 +61,9 @@ Result<void> add_source(const RecordedMotions& motions, Run run, RunRequest of_s
 }
 
 // Warns of a motion and a source of different lengths.
-void warn_of_length(const RobotClip& clip, int source_frames, const std::string& file,
+void warn_of_length(const RobotClip& clip, int source_frames, const RecordedMotion& of,
                     Observer& observer) {
+  const std::string& file = of.file;
   const int frames = clip.frame_count();
   const std::string source = "the source has " + count_text(source_frames, "frame");
   const std::string motion = "the motion has " + count_text(frames, "frame");
@@ -66,6 +74,7 @@ void warn_of_length(const RobotClip& clip, int source_frames, const std::string&
                   file);
     return;
   }
+  if (of.part_start) return;
   // Some formats end one sample before the last frame, and rates differ.
   constexpr double kUsualDifference = 0.1;  // Seconds.
   if (source_frames - frames <= kUsualDifference * clip.rate().fps()) return;
@@ -76,14 +85,15 @@ void warn_of_length(const RobotClip& clip, int source_frames, const std::string&
                 file);
 }
 
-MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::string& file,
+MeasuredMotion measure(RobotClip clip, const Measures& measures, const RecordedMotion& of,
                        Observer& observer) {
+  const std::string& file = of.file;
   const MeasuredSource* source = measures.source ? &*measures.source : nullptr;
   MotionMeasure measure = measure_motion(clip, measures.limits, source, measures.dynamics);
   if (measure.has_lead_in) {
     observer.line("lead-in", file + " includes the source's leading frames; they are kept");
   }
-  if (source != nullptr) warn_of_length(clip, measure.source_frames, file, observer);
+  if (source != nullptr) warn_of_length(clip, measure.source_frames, of, observer);
   const HumanClip* human = nullptr;
   if (source != nullptr) {
     human = measure.has_lead_in ? &*source->human_with_lead_in : &source->human;
@@ -100,7 +110,7 @@ bool is_same_variant(const RobotChoice& a, const RobotChoice& b) {
 RobotChoice recorded_choice(const RecordedMotions& motions, RobotChoice choice) {
   if (motions.empty() || !motions.front().recorded) return choice;
   const RobotChoice& first = motions.front().recorded->run.robot;
-  for (const auto& [file, recorded] : motions) {
+  for (const auto& [file, recorded, part_start] : motions) {
     if (!recorded || !is_same_variant(first, recorded->run.robot)) return choice;
   }
   if (choice.variant.empty()) choice.variant = first.variant;
@@ -177,7 +187,7 @@ Result<RobotClip> at_rate_of_source(RobotClip clip, const Measures& measures,
 void warn_of_moved_scene(const RecordedMotions& motions, const SolveOptions& solve,
                          Observer& observer) {
   if (solve.scene.empty() && solve.terrain.empty()) return;
-  for (const auto& [file, recorded] : motions) {
+  for (const auto& [file, recorded, part_start] : motions) {
     if (!recorded) continue;
     const Options& options = recorded->run.options;
     const bool is_fitted = options.solve.object_motion == ObjectMotion::kFitted;
@@ -230,7 +240,8 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   if (!run.motion.empty()) {
     choose_travel(motions, run.options.solve, observer);
     warn_of_moved_scene(motions, run.options.solve, observer);
-    TRY(add_source(motions, run, request.of_source, std::move(robot), measures, observer));
+    TRY(add_source(motions, run, request.of_source, std::nullopt, std::move(robot), measures,
+                   observer));
   } else {
     TRY(add_scene(run.options.solve, measures));
     if (run.options.source.source_fps > 0.0) {
@@ -260,7 +271,7 @@ Result<MeasuredMotion> measure_file(const std::string& file, const Measures& mea
   const FrameRate file_rate = motion.clip.rate();
   TRY_ASSIGN(RobotClip clip, at_rate_of_source(std::move(motion.clip), measures, file, observer));
   const auto start = std::chrono::steady_clock::now();
-  MeasuredMotion measured = measure(std::move(clip), measures, file, observer);
+  MeasuredMotion measured = measure(std::move(clip), measures, {file, std::nullopt}, observer);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   if (measures.source && !same_rate(file_rate, measures.rate)) measured.file_rate = file_rate;
   QualityReport& report = measured.report;
@@ -269,6 +280,27 @@ Result<MeasuredMotion> measure_file(const std::string& file, const Measures& mea
   observer.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
                                 number_text(time.count(), 2) + " s");
   return measured;
+}
+
+Result<MotionBeside> measure_against(const RobotClip& motion, const RecordedMotion& record,
+                                     Clip source, LoadedRobot robot, const Options& options,
+                                     bool dynamics, Observer& observer) {
+  Run run{.motion = source.name(), .robot = robot.choice, .options = options, .output = {}};
+  std::string& limits = run.options.solve.limits;
+  if (limits.empty()) limits = robot.robot->limits_for({});
+  Measures measures;
+  measures.dynamics = dynamics;
+  const RecordedMotions motions = {record};
+  choose_travel(motions, run.options.solve, observer);
+  warn_of_moved_scene(motions, run.options.solve, observer);
+  TRY(add_source(motions, run, {}, std::move(source), std::move(robot), measures, observer));
+  if (record.part_start) {
+    const double frames = std::round(*record.part_start * measures.rate.fps());
+    skip_frames(*measures.source, static_cast<int>(std::clamp(frames, 0.0, 1e9)));
+  }
+  TRY_ASSIGN(RobotClip clip, at_rate_of_source(motion, measures, record.file, observer));
+  MeasuredMotion measured = measure(std::move(clip), measures, record, observer);
+  return MotionBeside{*measured.human, std::move(measured.report)};
 }
 
 Result<std::shared_ptr<const MotionScene>> measured_scene(const MeasuredMotion& motion,

@@ -283,6 +283,11 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
   observer.warn(clip.origin().warnings, clip.name());
   const SummaryLine read = clip_line(clip);
   observer.line(read.label, read.text);
+  return plan_clip(std::move(clip), run, request, robot, observer);
+}
+
+Result<Plan> plan_clip(Clip clip, const Run& run, const RunRequest& request,
+                       const RobotSetup& robot, Observer& observer) {
   TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
   observer.lines(plan.human.lines());
   observer.warn(plan.doubts(), plan.clip->name());

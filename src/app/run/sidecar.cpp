@@ -11,12 +11,14 @@
 #include "base/json.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
+#include "retarget/data_folder.h"
 #include "retarget/enum_names.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
 #include "retarget/human.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
+#include "retarget/robots.h"
 #include "retarget/scene.h"
 #include "retarget/version.h"
 
@@ -300,6 +302,15 @@ void find_moved(std::string& file, const fs::path& beside) {
   } else if (fs::exists(near, ignored)) {
     file = near.string();
   }
+}
+
+void find_moved_robot(std::string& robot, const fs::path& beside, const DataFolder& data_folder) {
+  const auto folder = find_data_folder(data_folder);
+  if (folder) {
+    const std::vector<std::string> known = list_robots(robot_folders(*folder));
+    if (std::ranges::find(known, robot) != known.end()) return;
+  }
+  find_moved(robot, beside);
 }
 
 }  // namespace retarget

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/run/outputs.h"
+#include "retarget/data_folder.h"
 #include "retarget/error.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
@@ -74,5 +75,10 @@ struct Sidecar {
 /// Changes the name of a recorded file to that of one next to the record, below its recorded name
 /// or with its file name, if it no longer exists at its recorded path.
 void find_moved(std::string& file, const std::filesystem::path& beside);
+
+/// The same for a recorded robot, which may be a name or a folder. As in a run, the name of a known
+/// robot comes before a folder of that name.
+void find_moved_robot(std::string& robot, const std::filesystem::path& beside,
+                      const DataFolder& data_folder);
 
 }  // namespace retarget

@@ -56,7 +56,8 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
 }
 
 // Reconstructs the sidecar's run.
-Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::string& file) {
+Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::string& file,
+                   const DataFolder& data_folder) {
   Run run = sidecar.run;
   if (run.motion == "-") {
     return input_failure(file, "the motion came from standard input and cannot be read again");
@@ -70,8 +71,8 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
     return failure(check.error());
   }
   find_moved(run.motion, beside);
-  find_moved(run.robot.name, beside);
-  find_moved(run.options.source.from_robot, beside);
+  find_moved_robot(run.robot.name, beside, data_folder);
+  find_moved_robot(run.options.source.from_robot, beside, data_folder);
   for (const Option& row : run_table(run)) {
     if (row.info.file == OptionFile::kNone) continue;
     std::string named = to_text(row.get());
@@ -133,7 +134,7 @@ Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
   }
   TRY_ASSIGN(const Sidecar sidecar, read_sidecar(content.view(), file));
   const fs::path beside = fs::path(file).parent_path();
-  TRY_ASSIGN(const Run run, run_of(sidecar, beside, file));
+  TRY_ASSIGN(const Run run, run_of(sidecar, beside, file, data_folder));
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, data_folder, observer));
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
   RunRequest request;

@@ -136,7 +136,7 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
     return raw;
   }
   return input_failure(file, "the file is " + std::string(type.what) + ", a human motion",
-                       "retarget " OPTION("bvh") " converts it to a robot motion");
+                       "retarget it to a robot, and give the robot motion");
 }
 
 }  // namespace

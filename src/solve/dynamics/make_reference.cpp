@@ -71,8 +71,11 @@ class ReferenceMaker {
   Result<MotionReference> make() {
     TRY(check_memory());
     describe();
-    if (result_.has_dynamics) find_contacts();
-    for (std::size_t i = 0; i < result_.samples; ++i) add_sample(i);
+    if (result_.has_dynamics) TRY(find_contacts());
+    for (std::size_t i = 0; i < result_.samples; ++i) {
+      if (is_stopped()) return interrupted_failure();
+      add_sample(i);
+    }
     finish();
     return std::move(result_);
   }
@@ -130,10 +133,13 @@ class ReferenceMaker {
     return std::min(time.frame + (time.share >= 0.5 ? 1 : 0), clip_.frame_count() - 1);
   }
 
-  void find_contacts() {
-    if (points_.empty()) return;
+  [[nodiscard]] bool is_stopped() const { return options_.keep_going && !options_.keep_going(); }
+
+  Result<void> find_contacts() {
+    if (points_.empty()) return {};
     tracks_.emplace(points_, fine_count(), options_.rate.fps() * finer_);
     for (std::size_t fine = 0; fine < fine_count(); ++fine) {
+      if (is_stopped()) return interrupted_failure();
       const auto step = static_cast<std::size_t>(finer_);
       place(fine / step, static_cast<int>(fine % step));
       tracks_->set(fine, state_);
@@ -144,6 +150,7 @@ class ReferenceMaker {
           *scene_, [this](std::size_t fine) { return scene_frame(fine); }, sizes_);
     }
     name_contacts();
+    return {};
   }
 
   // Makes columns for the points that are in contact in at least one sample.
