@@ -1,7 +1,6 @@
 """retarget batch for data sets: gates, lists of what passed, splits, parts, mirror images, duplicates."""
 
 import json
-import os
 import re
 import signal
 import subprocess
