@@ -127,10 +127,9 @@ def test_a_keyword_has_one_type_in_all_functions() -> None:
         names = [row["name"] for row in rows]
         assert len(names) == len(set(names)), "a keyword is in a table twice"
     several = {name for name, found in types.items() if len(found) > 1}
-    # This list may only shrink: batch's base accepts a folder for one more release, its contacts
-    # are a flag because each clip has a file; scale refers to a body or a path; floor and speed are
-    # terms of the fit and numbers of edits.
-    assert several == {"base", "contacts", "scale", "floor", "speed"}
+    # This list may only shrink: the contacts of a batch are a flag because each clip has a file;
+    # scale refers to a body or a path; floor and speed are terms of the fit and numbers of edits.
+    assert several == {"contacts", "scale", "floor", "speed"}
 
 
 def test_signatures_and_docs_show_the_options() -> None:

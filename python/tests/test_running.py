@@ -144,7 +144,7 @@ def test_the_base_of_a_batch_is_the_robots(data: Path, tmp_path: Path) -> None:
                    relative_to=tmp_path / "clips", **options)
     rows = (tmp_path / "held/a/walk.csv").read_text().splitlines()
     assert {tuple(map(float, row.split(",")[:7])) for row in rows} == {(0, 0, 0.793, 0, 0, 0, 1)}
-    with pytest.raises(retarget.UsageError, match="base must be auto or fixed"):
+    with pytest.raises(retarget.UsageError, match="base: expected one of auto, fixed"):
         retarget.batch(clip, tmp_path / "wrong", "unitree_g1", base="fxied", **options)
 
 

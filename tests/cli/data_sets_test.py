@@ -1,7 +1,6 @@
 """retarget batch for data sets: gates, lists of what passed, splits, parts, mirror images, duplicates."""
 
 import json
-import os
 import re
 import signal
 import subprocess
@@ -235,7 +234,7 @@ class Splits(DataSetTest):
         # The result is independent of the order of inputs, shards, resume and merges.
         whole = {name: self.lines(name) for name in ("train.txt", "validation.txt")}
         files = sorted(str(file) for file in (self.folder / "in").rglob("*.bvh"))
-        self.assert_done(self.batch("--split", "0.6:5", "--base", self.folder / "in",
+        self.assert_done(self.batch("--split", "0.6:5", "--relative-to", self.folder / "in",
                                     inputs=reversed(files), output="reversed"))
         for part in (2, 1):
             self.assert_done(self.batch("--shard", f"{part}/2", output="parts"))

@@ -12,8 +12,7 @@ except ImportError:
     numpy = None
 
 FRAMES = 60
-# The human squats on a step of 20 cm; a table and a moving crate are beside it.
-STEP_CM = 20.0
+# The human squats on the step; a table and a moving crate are beside it.
 SCENE = {
     "bodies": [
         {"name": "step", "position": [0.0, 0.0, 0.1],
@@ -31,7 +30,7 @@ class SceneOutputs(ToolTest):
         super().setUp()
         if numpy is None:
             absent("NumPy is missing")
-        self.write("raised.bvh", raised_clip("squat", FRAMES, STEP_CM))
+        self.write("raised.bvh", raised_clip())
         self.write("room.json", json.dumps(SCENE))
         rows = ["x,y,z,qw,qx,qy,qz"]
         rows += [f"{1.5 + 0.01 * i},0.0,0.5,1,0,0,0" for i in range(FRAMES)]

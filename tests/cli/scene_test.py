@@ -5,8 +5,8 @@ import json
 import unittest
 import zipfile
 
-from scene_outputs_test import FRAMES, SCENE, raised_clip
-from tool import SHARED, ToolTest, read_rows, sample
+from scene_outputs_test import SCENE
+from tool import SHARED, ToolTest, raised_clip, read_rows, sample
 
 DATA = SHARED / "data"
 SCENES, FORMATS = DATA / "scenes", DATA / "formats"

@@ -3,9 +3,9 @@
 import json
 import unittest
 
-from scene_outputs_test import SCENE, raised_clip
+from scene_outputs_test import SCENE
 from scene_test import share_near
-from tool import ToolTest, read_rows, sample, short_clip
+from tool import ToolTest, raised_clip, read_rows, sample, short_clip
 
 ROBOT = ("--robot", "unitree_g1")
 ROOM = {"bodies": SCENE["bodies"][:1]}  # The step alone.

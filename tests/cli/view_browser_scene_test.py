@@ -12,7 +12,6 @@ from tool import ToolTest, raised_clip
 
 FRAMES, CLIP_FPS = 60, 30
 # The human squats on a step of 20 cm. A mesh is beside it, and a crate moves and turns.
-STEP_CM = 20.0
 SCENE = {
     "bodies": [
         {"name": "step", "position": [0.0, 0.0, 0.1],
@@ -31,7 +30,7 @@ SHOWN = (0, 45)
 
 def write_scene_files(test):
     """The clip, the scene and the track, in the folder of the test."""
-    test.write("raised.bvh", raised_clip("squat", FRAMES, STEP_CM))
+    test.write("raised.bvh", raised_clip())
     test.write("room.json", json.dumps(SCENE))
     rows = ["x,y,z,qw,qx,qy,qz"]
     for i in range(FRAMES):

@@ -275,6 +275,9 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
     sidecar.time_scale->stretches = stretches_from(*pace, "stretches");
     sidecar.time_scale->left = stretches_from(*pace, "not_slowed");
   }
+  // Sidecars from before these options existed describe runs that used all frames, uncleaned.
+  sidecar.run.options.part.lead_in = LeadIn::kKeep;
+  sidecar.run.options.human.clean = CleanRule::kOff;
   auto options =
       read_options(json["options"], run_table(sidecar.run), file, "the sidecar's options");
   if (!options) {
