@@ -247,7 +247,7 @@ TEST(MotionFileTest, WorldRotationsHaveWorldTranslations) {
     pickle.end_dict();
     return pickle.finish();
   };
-  SmplReadOptions options;
+  ArrayReadOptions options;
   options.source_fps = 30;
   expect_same_motion(motion_of(wham(true), options), motion_of(wham(false), options));
 }
