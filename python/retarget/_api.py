@@ -193,8 +193,8 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
     folder = Path(os.fsdecode(output))
     part = re.fullmatch(r"0*([0-9]+)/0*([0-9]+)", str(options.get("shard") or ""))
     manifest = f"manifest.{part[1]}-of-{part[2]}.jsonl" if part else "manifest.jsonl"
-    return Batch(folder=folder, failed=failed, clips=list(manifest_lines(folder / manifest, "surrogateescape")),
-                 notes=list(notes))
+    clips = list(manifest_lines(folder / manifest, "surrogateescape"))
+    return Batch(folder=folder, failed=failed, clips=clips, notes=list(notes))
 
 
 def _take_rate(options: dict[str, Any], fps: float | None) -> None:

@@ -86,12 +86,12 @@ Call call_of(const nb::dict& keywords, const nb::object& data_dir, EditNeeds nee
 }
 
 ClipHandle given(Clip&& clip, const std::string&, bool) {
-  return ClipHandle(std::move(clip));
+  return ClipHandle(std::move(clip)).as_edited();
 }
 ClipHandle given(Edited&& edited, const std::string& name, bool force) {
   if (edited.misfit && !force) raise(placed(*edited.misfit, name));
   warn(edited.doubts, name);
-  return ClipHandle(std::move(edited.clip));
+  return ClipHandle(std::move(edited.clip)).as_edited();
 }
 
 // Prepares the source and edits it without the GIL, then returns the new clip.
@@ -115,7 +115,7 @@ ClipHandle trim_clip(const ClipHandle& clip, const nb::dict& keywords) {
   PartOptions part;
   apply_keywords(rows_for(OptionUse::kEdit, part_table(part)), keywords);
   warn(range_doubts(part, clip->rate(), clip->frame_count()), clip->name());
-  return ClipHandle(without_gil([&] { return trim(*clip, part); }));
+  return ClipHandle(without_gil([&] { return trim(*clip, part); })).as_edited();
 }
 
 ClipHandle resample(const ClipHandle& clip, const nb::dict& keywords) {
@@ -125,9 +125,10 @@ ClipHandle resample(const ClipHandle& clip, const nb::dict& keywords) {
     raise(usage_failure("resample() needs fps or speed").value());
   }
   return ClipHandle(without_gil([&]() -> Result<Clip> {
-    RETARGET_TRY_ASSIGN(const TimingOptions timing, settings.timing_options());
-    return change_timing(*clip, timing);
-  }));
+           RETARGET_TRY_ASSIGN(const TimingOptions timing, settings.timing_options());
+           return change_timing(*clip, timing);
+         }))
+      .as_edited();
 }
 
 ClipHandle rest(const ClipHandle& clip, const ClipHandle& like) {

@@ -13,6 +13,8 @@
 #include "keywords.h"
 #include "notes_observer.h"
 #include "raise.h"
+#include "retarget/file.h"
+#include "retarget/fingerprint.h"
 #include "retarget/measure.h"
 #include "retarget/measure_files.h"
 #include "retarget/option_table.h"
@@ -131,6 +133,14 @@ Result<QualityReport> measure_as_solved(const MotionHandle& handle, const std::s
   return retarget::evaluate(motion, dynamics);
 }
 
+bool is_recorded_source(const RecordedMotion& record, const Clip& source) {
+  if (!record.recorded || record.recorded->source_hash.empty() || !is_file(source.name())) {
+    return false;
+  }
+  const auto hash = motion_hash(source.name());
+  return hash && *hash == record.recorded->source_hash;
+}
+
 // Returns text, JSON and whether the motion passed.
 nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb::dict& keywords,
                    const nb::object& given_gates) {
@@ -148,16 +158,25 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
     apply_keywords(evaluate_table(scratch, dynamics), keywords);
   }
   if (is_own) check_kept(options, motion.solved->plan, keywords);
-  RecordedMotion record = record_of(motion);
-  if (keywords.contains("start") || keywords.contains("frames")) {
+  WarningsObserver observer;
+  RecordedMotion record =
+      source == nullptr ? record_of(motion) : record_against(motion, *source, observer);
+  const auto is_given = [&](const char* name) {
+    return keywords.contains(name) && !keywords[name].is_none();
+  };
+  if (is_given("start") || is_given("frames")) {
     record.part_start.reset();
     // Another part of the source than that of the run.
     const LeadIn lead_in = options.part.lead_in;
     options.part = {};
     options.part.lead_in = lead_in;
+  } else if (is_given("end") && source != nullptr && is_recorded_source(record, **source)) {
+    // The part begins where the run's does.
+    if (options.part.start_s < 0.0 && options.part.frames.empty()) {
+      options.part.start_s = record.recorded->run.options.part.start_s;
+    }
   }
   apply_keywords(evaluate_table(options, dynamics), keywords);
-  WarningsObserver observer;
   QualityReport report = without_gil([&]() -> Result<QualityReport> {
     if (is_own) return measure_as_solved(motion, options.solve.limits, dynamics);
     if (source == nullptr) return measure_alone(motion, options.solve.limits, dynamics);

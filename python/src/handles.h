@@ -36,6 +36,12 @@ class ClipHandle {
   [[nodiscard]] const std::shared_ptr<const Clip>& shared() const { return clip_; }
   /// Computed on first use; callable from any thread, without the GIL.
   [[nodiscard]] std::shared_ptr<const WorldPoses> world() const;
+  /// Marks the result of an edit, which keeps the name of the file but not its content.
+  [[nodiscard]] ClipHandle as_edited() && {
+    is_edited_ = true;
+    return std::move(*this);
+  }
+  [[nodiscard]] bool is_edited() const { return is_edited_; }
 
  private:
   struct World {
@@ -44,6 +50,7 @@ class ClipHandle {
   };
   std::shared_ptr<const Clip> clip_;
   std::shared_ptr<World> world_ = std::make_shared<World>();
+  bool is_edited_ = false;
 };
 
 /// Implementation of retarget.Robot.
@@ -76,8 +83,9 @@ struct MotionHandle {
   bool rate_known = true;  ///< False: the rate of a file without one is a default.
   /// The run of a motion that was not solved here; null: unknown.
   std::shared_ptr<const RecordedRun> recorded = nullptr;
-  bool is_of_file = true;  ///< `recorded` is from a sidecar: evaluate() takes the same from it as
-                           ///< the command. Otherwise it takes all of its options.
+  /// True: `recorded` is from a sidecar, of which evaluate() uses as much as the command does.
+  /// False: `recorded` is a run of Python, all of whose options evaluate() uses.
+  bool is_of_file = true;
   /// Time of the first frame in the motion of which this one is a part, seconds; empty: not a part.
   std::optional<double> part_start = std::nullopt;
 };
@@ -86,6 +94,10 @@ struct MotionHandle {
 [[nodiscard]] std::shared_ptr<const RecordedRun> run_of(const MotionHandle& motion);
 /// The record of a motion for measuring it against a source.
 [[nodiscard]] RecordedMotion record_of(const MotionHandle& motion);
+/// The record for a given clip. A sidecar's part and mirroring do not apply to an edited clip;
+/// warns of them.
+[[nodiscard]] RecordedMotion record_against(const MotionHandle& motion, const ClipHandle& clip,
+                                            Observer& observer);
 /// Options for measuring a motion at its rate: those of a run of this process, otherwise defaults.
 [[nodiscard]] Options measuring_options(const MotionHandle& motion);
 

@@ -43,6 +43,25 @@ RecordedMotion record_of(const MotionHandle& motion) {
   return record;
 }
 
+RecordedMotion record_against(const MotionHandle& motion, const ClipHandle& clip,
+                              Observer& observer) {
+  RecordedMotion record = record_of(motion);
+  const bool is_of_sidecar = motion.solved == nullptr && motion.is_of_file;
+  if (!clip.is_edited() || !is_of_sidecar || !record.recorded) return record;
+  PartOptions& part = record.recorded->run.options.part;
+  bool& mirror = record.recorded->mirror;
+  if (part.start_s < 0.0 && part.end_s < 0.0 && part.frames.empty() && !mirror) return record;
+  const LeadIn lead_in = part.lead_in;
+  part = {};
+  part.lead_in = lead_in;
+  mirror = false;
+  observer.warn({{0, 0,
+                  "the sidecar records a part or the mirroring of its source, which is not applied "
+                  "to an edited clip"}},
+                motion.name);
+  return record;
+}
+
 Options measuring_options(const MotionHandle& motion) {
   Options options;
   const bool is_of_file = motion.solved == nullptr && motion.is_of_file;

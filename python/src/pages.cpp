@@ -6,6 +6,7 @@
 #include <deque>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "bindings.h"
@@ -58,8 +59,8 @@ Result<ShownMotion> shown_beside(const MotionHandle& motion, const ClipHandle* c
     return shown;
   }
   RETARGET_TRY_ASSIGN(MotionBeside measured,
-                      measure_against(*motion.clip, record_of(motion), **clip, motion.robot.loaded,
-                                      options, false, observer));
+                      measure_against(*motion.clip, record_against(motion, *clip, observer), **clip,
+                                      motion.robot.loaded, options, false, observer));
   shown.human = std::move(measured.human);
   shown.report = std::move(measured.report);
   return shown;
@@ -131,7 +132,8 @@ void write_drawing(const nb::object& file, const nb::bytes& content, bool is_pag
   if (path == "-") raise(usage_failure("output: expected a file, found standard output").value());
   value_of(is_page ? check_output_ending(path, {".html", ".htm"}, "a page in HTML")
                    : check_output_ending(path, {".png", ".svg"}, "a picture"));
-  without_gil([&] { return write_file(path, {content.c_str(), content.size()}); });
+  const std::string_view text(content.c_str(), content.size());
+  without_gil([&] { return write_file(path, text); });
 }
 
 }  // namespace

@@ -237,6 +237,13 @@ void bind_robot(nb::module_& module) {
             nb::cast<std::string>(nb::repr(text_of(name.empty() ? robot.loaded.model : name))),
             robot->output_joints().size());
       });
+  // The name in the manifest of a batch.
+  module.def(
+      "recorded_name",
+      [](const RobotHandle& robot) {
+        return name_of(std::filesystem::path(robot->name()).filename().generic_string());
+      },
+      "robot"_a);
 }
 
 }  // namespace retarget::python

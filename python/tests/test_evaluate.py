@@ -131,6 +131,34 @@ def test_a_file_is_measured_as_its_sidecar_records(words: str, data: Path, tmp_p
     assert part["limb_angle_deg"] == pytest.approx(expected["limb_angle_deg"][0], abs=0.3)
 
 
+@pytest.mark.parametrize("words, edit", [
+    ("--mirror", retarget.edit.mirror),
+    ("--start 2 --end 6", lambda clip: retarget.edit.trim(clip, start=2.0, end=6.0)),
+], ids=["mirror", "trim"])
+def test_an_edited_clip_is_not_edited_again(words: str, edit, data: Path, walk: retarget.Clip,
+                                            tmp_path: Path, command) -> None:
+    file = tmp_path / "x.csv"
+    command(data / "walk.bvh", "unitree_g1", "-o", file, "--sidecar", *words.split())
+    motion = retarget.load_motion(file, "unitree_g1")
+    expected = retarget.evaluate(motion, walk).figures["limb_angle_deg"]
+    with pytest.warns(retarget.RetargetWarning, match="not applied to an edited clip"):
+        figures = retarget.evaluate(motion, edit(walk)).figures
+    # Otherwise the limbs are 2 to 20 degrees apart.
+    assert figures["limb_angle_deg"] == pytest.approx(expected, abs=1.0)
+
+
+def test_options_that_are_none_are_not_given(data: Path, walk: retarget.Clip,
+                                             walked: retarget.Motion, tmp_path: Path,
+                                             command) -> None:
+    expected = retarget.evaluate(walked[60:120], walk).json
+    assert retarget.evaluate(walked[60:120], walk, start=None, frames=None).json == expected
+    file = tmp_path / "x.csv"
+    command(data / "walk.bvh", "unitree_g1", "-o", file, "--sidecar", "--start", "2", "--end", "6")
+    motion = retarget.load_motion(file, "unitree_g1")
+    both = retarget.evaluate(motion, data / "walk.bvh", start=2.0, end=6.0)
+    assert retarget.evaluate(motion, data / "walk.bvh", end=6.0).figures == both.figures
+
+
 @pytest.mark.parametrize("options", [
     {}, {"start": 2.0}, {"time_scale": "auto"}, {"time_scale": 0.5}, {"height": 1.3},
     {"travel": 0.8}, {"terrain": "stairs:0.15x0.3"}, {"method": "gmr", "scale": "height"},

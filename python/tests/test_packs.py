@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -192,6 +193,37 @@ def test_the_robot_is_that_of_the_batch(data: Path, tmp_path: Path) -> None:
     with pytest.raises(retarget.UsageError, match="records a motion of agibot_x2, but robot is"):
         packs.write_lerobot(found, tmp_path / "set", robot="unitree_h2")
     packs.write_lerobot(found, tmp_path / "set", robot="agibot_x2")
+
+
+def test_a_robot_of_a_folder_is_that_of_the_batch(data: Path, tmp_path: Path,
+                                                   g1: retarget.Robot) -> None:
+    need("pyarrow")
+    folder = tmp_path / "robots/mine"
+    shutil.copytree(Path(g1.model).parent, folder)
+    found = packs.clips_of(batch_of_wave(data, tmp_path, str(folder)))
+    packs.write_lerobot(found, tmp_path / "set", robot=folder)
+
+
+def test_names_without_a_common_ending(tmp_path: Path) -> None:
+    (tmp_path / "passed.txt").write_text("wave.csv\n")
+    line = {"outputs": [{"file": "wave.csv"}, {"file": "talk"}]}
+    (tmp_path / "manifest.jsonl").write_text(json.dumps(line) + "\n")
+    assert list(packs.clips_of(tmp_path)) == ["wave"]
+    (tmp_path / "passed.txt").write_text("wave.csv\ntalk\n")
+    with pytest.raises(retarget.UsageError, match="same clip; give an ending"):
+        packs.clips_of(tmp_path)
+
+
+@pytest.mark.parametrize("options, expected", [
+    ({}, {"source_angles": "rad", "source_unit": "m", "source_quat": "xyzw"}),
+    ({"csv_quat": "wxyz", "csv_degrees": True},
+     {"source_angles": "deg", "source_unit": "m", "source_quat": "wxyz"}),
+    ({"csv_header": True}, {"source_angles": "rad", "source_unit": "m"}),
+], ids=str)
+def test_units_are_those_that_the_batch_records(options: dict, expected: dict, data: Path,
+                                                tmp_path: Path) -> None:
+    found = packs.clips_of(batch_of_wave(data, tmp_path, **options))
+    assert found.csv_units == {"wave": expected}
 
 
 def test_csvs_have_the_units_of_their_batch(data: Path, tmp_path: Path) -> None:

@@ -172,8 +172,8 @@ class DuplicateFinder {
     return result;
   }
 
-  // Finds the nearest earlier clip that is kept, or any earlier one for chains. Compares only the candidates with similar
-  // summaries.
+  // Finds the nearest earlier clip; without chains, only among clips that are kept. Compares only
+  // the candidates with similar summaries.
   std::optional<DuplicateOf> nearest(std::size_t index, const MotionSignature& clip,
                                      bool is_image) {
     const Summary summary = summary_of(clip);

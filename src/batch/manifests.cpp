@@ -165,12 +165,17 @@ std::string shard_file_name(const std::string& stem, const Shard& shard, const s
   return stem + "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count) + end;
 }
 
+bool has_manifest(const std::string& folder) {
+  return !manifests_beside(folder, {}).empty();
+}
+
 Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
                                       const BatchRequest& request, Observer& observer) {
   BatchManifests manifests;
   manifests.path = folder + "/" + shard_file_name(kStem, shard, kFileEnding);
   const std::string whole = folder + "/" + kStem + kFileEnding;
   std::error_code ignored;
+  manifests.is_new = !has_manifest(folder);
   if (request.redo) {
     if (shard.count > 1) return manifests;
     for (const std::string& other : manifests_beside(folder, {})) {

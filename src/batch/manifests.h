@@ -36,6 +36,7 @@ struct BatchManifests {
   std::vector<ManifestEntry> own;             ///< Entries of that manifest.
   std::vector<ManifestEntry> others;          ///< Entries of other parts.
   std::vector<ManifestEntry> discarded = {};  ///< Entries that --redo discarded.
+  bool is_new = false;                        ///< No manifest was there, not even an empty one.
 };
 
 /// The clips of a call, for its robots.
@@ -57,6 +58,9 @@ struct BatchSelection {
 [[nodiscard]] Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
                                                     const BatchRequest& request,
                                                     Observer& observer);
+
+/// Whether a folder has a manifest of a batch or of a part.
+[[nodiscard]] bool has_manifest(const std::string& folder);
 
 /// Whether an entry is a failed clip whose file no longer exists, so that nothing remains to be
 /// done.

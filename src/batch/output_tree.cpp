@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <functional>
 #include <map>
 #include <system_error>
 #include <utility>
 
 #include "batch/certify_clip.h"
+#include "batch/manifests.h"
 #include "retarget/certificate.h"
 #include "retarget/file.h"
 #include "retarget/motion_io.h"
@@ -15,6 +17,7 @@
 #include "retarget/options.h"
 #include "retarget/os.h"
 #include "retarget/run.h"
+#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -137,26 +140,42 @@ Result<void> check_outputs_spared(const std::vector<BatchInput>& inputs,
 
 Result<void> check_outputs_new(const std::vector<BatchInput>& inputs, const BatchRequest& request,
                                const std::string& output, const std::list<BatchRobot>& robots,
-                               bool own) {
+                               bool whole) {
   std::vector<std::string> planned;
-  if (own) planned.assign(kOwnFiles.begin(), kOwnFiles.end());
   for (const BatchRobot& robot : robots) {
-    if (own && !request.pack.empty()) planned.push_back(robot.folder + request.pack);
+    if (whole && !request.pack.empty()) planned.push_back(robot.folder + request.pack);
     for (const BatchInput& input : inputs) {
       RETARGET_TRY_ASSIGN(const auto files, outputs_of(input, request, robot.folder));
       planned.insert(planned.end(), files.begin(), files.end());
     }
   }
   std::error_code ignored;
-  std::erase_if(planned, [&](const std::string& file) {
-    return !fs::exists(fs::symlink_status(fs::path(output) / file, ignored));
-  });
-  if (planned.empty()) return {};
+  const auto existing = [&](std::vector<std::string> files) {
+    std::erase_if(files, [&](const std::string& file) {
+      return !fs::exists(fs::symlink_status(fs::path(output) / file, ignored));
+    });
+    return files;
+  };
+  std::vector<std::string> found = existing({kOwnFiles.begin(), kOwnFiles.end()});
+  const auto is_link = [&](const std::string& file) {
+    return fs::is_symlink(fs::path(output) / file, ignored);
+  };
+  // Another part that starts now writes its manifest before other files, so look for it last.
+  if (!whole && has_manifest(output)) std::erase_if(found, std::not_fn(is_link));
+  const std::vector<std::string> of_clips = existing(std::move(planned));
+  found.insert(found.end(), of_clips.begin(), of_clips.end());
   constexpr std::size_t kShown = 3;
-  const bool is_link = fs::is_symlink(fs::path(output) / planned.front(), ignored);
-  return usage_failure("the batch would replace " + count_text(planned.size(), "file") +
-                           " of the folder \"" + output + "\" that no earlier batch records: " +
-                           list_names(planned, kShown) + (is_link ? "; the first is a link" : ""),
+  std::vector<std::string> links = found;
+  std::erase_if(links, std::not_fn(is_link));
+  if (!links.empty()) {
+    return usage_failure("the batch would write through " + count_text(links.size(), "link") +
+                             " of the folder \"" + output + "\": " + list_names(links, kShown),
+                         links.size() == 1 ? "remove the link first" : "remove the links first");
+  }
+  if (found.empty() || request.redo) return {};
+  return usage_failure("the batch would replace " + count_text(found.size(), "file") +
+                           " of the folder \"" + output +
+                           "\" that no earlier batch records: " + list_names(found, kShown),
                        "give a new folder; " RETARGET_OPTION("redo") " replaces the files");
 }
 

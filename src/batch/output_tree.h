@@ -28,11 +28,13 @@ namespace retarget {
                                                 const std::string& output,
                                                 const std::list<BatchRobot>& robots);
 
-/// Checks that a new batch would replace no file, also not through a link. Errors: kUsage.
-/// @param own  also check the files of the batch itself, which the parts of a batch share.
+/// Checks that a new batch would replace no file, also not through a link. With --redo, checks only
+/// links. Errors: kUsage.
+/// @param whole  the batch is not a part. Parts share the files of the batch itself, which a part
+///               checks only if the folder has no manifest.
 [[nodiscard]] Result<void> check_outputs_new(const std::vector<BatchInput>& inputs,
                                              const BatchRequest& request, const std::string& output,
-                                             const std::list<BatchRobot>& robots, bool own);
+                                             const std::list<BatchRobot>& robots, bool whole);
 
 /// Files, relative to the output folder, of discarded manifest entries that the tasks do not write
 /// again.

@@ -431,11 +431,14 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   RETARGET_TRY_ASSIGN(BatchPlan plan, plan_batch(request, shard, observer));
   RETARGET_TRY_ASSIGN(const std::string folder, make_output_folder(request.output));
   RETARGET_TRY_ASSIGN(const BatchLocks locks, take_locks(folder, shard, observer));
+  const auto check_new = [&] {
+    return check_outputs_new(plan.inputs, request, folder, plan.robots, shard.count == 1);
+  };
+  // First, because --redo removes the manifests of parts.
+  if (request.redo) RETARGET_TRY(check_new());
   RETARGET_TRY_ASSIGN(const BatchManifests manifests,
                       open_manifests(folder, shard, request, observer));
-  if (!request.resume && !request.redo) {
-    RETARGET_TRY(check_outputs_new(plan.inputs, request, folder, plan.robots, shard.count == 1));
-  }
+  if (!request.redo && (!request.resume || manifests.is_new)) RETARGET_TRY(check_new());
   std::vector<ManifestEntry> known = manifests.own;
   known.insert(known.end(), manifests.others.begin(), manifests.others.end());
   const FinishedClips finished(std::move(known), folder);

@@ -56,13 +56,15 @@ std::string cmu_subject(const std::string& stem) {
                                                : std::string();
 }
 
-// A folder belongs to a subject if its name looks like one, `KIT/3`, `s1`, also with folders below
-// it, or if its files are named as in AMASS.
+// A folder belongs to a subject if its name looks like one, also with folders below it, or if its
+// files are named as in AMASS. Names with a word, `s1`, precede mere numbers, `KIT/3`.
 std::string subject_folder(const fs::path& folder, const std::string& stem) {
   static const std::regex kAmass(".*_(poses|stageii|stagei)$", std::regex::icase);
-  static const std::regex kPerson("(s|p|subject|subj|sub|actor|person)?[ _-]?[0-9]{1,3}",
+  static const std::regex kPerson("(s|p|subject|subj|sub|actor|person)[ _-]?[0-9]{1,3}",
                                   std::regex::icase);
+  static const std::regex kNumbered("[ _-]?[0-9]{1,3}");
   static const std::regex kSex("((?:fe)?male[ _-]?[0-9]+).*", std::regex::icase);
+  std::string numbered;  // The topmost one: those below it may number takes.
   for (fs::path at = folder; at.has_filename(); at = at.parent_path()) {
     const std::string name = at.filename().generic_string();
     std::smatch match;
@@ -70,7 +72,9 @@ std::string subject_folder(const fs::path& folder, const std::string& stem) {
       return (at.parent_path() / lower_case(match[1].str())).generic_string();
     }
     if (std::regex_match(name, kPerson)) return at.generic_string();
+    if (std::regex_match(name, kNumbered)) numbered = at.generic_string();
   }
+  if (!numbered.empty()) return numbered;
   return std::regex_match(stem, kAmass) ? folder.generic_string() : std::string();
 }
 

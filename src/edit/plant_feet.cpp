@@ -22,8 +22,8 @@ constexpr double kNoDrop = 1e-10;
 // Metres: maximum distance by which hips are lowered.
 constexpr double kDeepestPelvis = 0.1;
 // Legs extend freely up to kSoftReach of the length of thigh and shin; beyond it the extension
-// saturates at kMaxReach. For legs that the source extends farther, the range is from there to their
-// full length.
+// saturates at kMaxReach. For legs that the source extends farther, the range is from there to
+// their full length.
 constexpr double kSoftReach = 0.96, kMaxReach = 0.995;
 // Seconds: stances separated by less than this are merged.
 constexpr double kBreakInStand = 0.1;

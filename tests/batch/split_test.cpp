@@ -61,7 +61,13 @@ TEST(GroupOf, FindsTheSubjectInNames) {
       {"ACCAD/Female1Walking_c3d/B1_stageii.npz", "ACCAD/female1"},
       {"GRAB/s1/airplane_fly_1.npz", "GRAB/s1"},
       {"GRAB/s1/day1/airplane_fly_1.npz", "GRAB/s1"},
-      {"KIT/3/morning/walk_poses.npz", "KIT/3"}};
+      {"KIT/3/morning/walk_poses.npz", "KIT/3"},
+      {"s1/01/w.bvh", "s1"},
+      {"s1/02/w.bvh", "s1"},
+      {"s2/01/x.bvh", "s2"},
+      {"sub 3/2/x.bvh", "sub 3"},
+      {"female1/3/x_poses.npz", "female1"},
+      {"x/3/01/w.bvh", "x/3"}};
   for (const auto& [name, key] : subjects) {
     const ClipGroup group = group_of(name);
     EXPECT_EQ(group.key, key) << name;

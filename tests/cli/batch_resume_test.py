@@ -215,16 +215,40 @@ class NothingIsLost(BatchTest):
         for name, text in (("out/b.csv", "mine"), ("precious.txt", "precious")):
             self.write(name, text)
         (self.folder / "out/a.csv").symlink_to("../precious.txt")
-        self.assert_fails(self.batch(), 2, "would replace 2 files", "a.csv, b.csv",
-                          "the first is a link", "--redo")
+        for how in ([], ["--resume"], ["--redo"]):
+            failed = self.batch(*how)
+            self.assert_fails(failed, 2, "would write through 1 link", "a.csv", "remove the link")
+            self.assertNotIn("--redo", failed.stderr)
         self.assertEqual((self.folder / "precious.txt").read_text(), "precious")
+        (self.folder / "out/a.csv").unlink()
+        self.write("out/a.csv", "mine")
+        for how in ([], ["--resume"]):
+            self.assert_fails(self.batch(*how), 2, "would replace 2 files", "a.csv, b.csv",
+                              "--redo")
         self.assertEqual((self.folder / "out/b.csv").read_text(), "mine")
         self.assertEqual(list((self.folder / "out").glob("manifest*")), [])
         for name in ("a.csv", "b.csv"):
             (self.folder / "out" / name).unlink()
         self.write("out/summary.csv", "mine")
         self.assert_fails(self.batch(), 2, "would replace 1 file of", "summary.csv")
+        self.assert_fails(self.batch("--shard", "1/2"), 2, "would replace 1 file", "summary.csv")
         self.assert_done(self.batch("--redo"))
+
+    def test_a_part_replaces_the_files_of_other_parts_and_of_no_one_else(self):
+        self.clips("a.bvh", "b.bvh")
+        self.write("out/options.json", "mine")
+        for how in ([], ["--resume"]):
+            self.assert_fails(self.batch("--shard", "1/2", *how), 2, "options.json")
+        self.assertEqual((self.folder / "out/options.json").read_text(), "mine")
+        (self.folder / "out/options.json").unlink()
+        for number in (1, 2):
+            self.assert_done(self.batch("--shard", f"{number}/2"))
+
+    def test_an_empty_manifest_can_be_resumed(self):
+        self.clips("a.bvh")
+        self.write("out/manifest.jsonl", "")
+        self.write("out/options.json", "[]")
+        self.assert_done(self.batch("--resume"))
 
     def test_redo_names_the_motions_that_it_leaves(self):
         self.clips("a.bvh", "b.bvh", "c.bvh")

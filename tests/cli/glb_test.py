@@ -117,6 +117,7 @@ class GlbFiles(ToolTest):
         self.assert_valid(self.folder / "mirrored.GLB")
         self.assert_done(self.run_tool("convert", "walk.bvh", "human.glb"))
         self.assert_valid(self.folder / "human.glb")
+        self.assert_done(self.run_tool("convert", "walk.bvh", "-o", "again", "--format", "glb"))
         human = self.glb("human.glb").json
         self.assertEqual([s["name"] for s in human["skins"]], ["human"])
         self.assertEqual(human["animations"][0]["name"], "human")

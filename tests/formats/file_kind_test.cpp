@@ -47,7 +47,8 @@ TEST(FileKindTest, NamesFilesThatAreNoMotions) {
       {"Vocaloid Motion Data 0002", "VMD"},
       {R"({"version":1.3,"people":[{"person_id":[-1],"pose_keypoints_2d":[1,2]}]})", "OpenPose"},
       {R"([{"a": 1}])", "JSON"},
-      {"# Blender\nmtllib a.mtl\no Cube\n", "OBJ"},
+      {"# Blender\r\nmtllib a.mtl\r\no Cube\r\nv 1 -0.5 2e-3\r\n", "OBJ"},
+      {"v 1.0 0.5 2\n", "OBJ"},
       {"<!-- robot -->\n<mujoco model=\"g1\">", "MJCF"},
       {"<?xml version=\"1.0\"?>\n<robot name=\"g1\">", "URDF"},
       {"<?xml version=\"1.0\"?>\n<svg>", "XML"},
@@ -63,8 +64,19 @@ TEST(FileKindTest, NamesFilesThatAreNoMotions) {
     EXPECT_THAT(read_bvh(bytes, "walk.bvh", {}).error().message, HasSubstr(name));
   }
   // Tables of robots.
-  for (const char* table : {"0.1,0.2\n", "v,o\n1,2\n", "# comment\n1 2 3\n", "time,x\n0,1\n"}) {
+  for (const char* table : {"0.1,0.2\n", "v,o\n1,2\n", "# comment\n1 2 3\n", "time,x\n0,1\n",
+                            "v x y z\n0 1 2 3\n", "o x y\n0 1 2\n", "v", "mtllib a.mtl"}) {
     EXPECT_EQ(file_type(table).kind, FileKind::kOther) << table;
+  }
+}
+
+TEST(FileKindTest, ModelsAreRecognisedByTheWholeNameOfTheirRoot) {
+  for (const char* text :
+       {"<?xml version=\"1.0\"?><robots>", "<?xml version=\"1.0\"?><mujocos/>"}) {
+    EXPECT_THAT(std::string(file_type(text).what), HasSubstr("XML document")) << text;
+  }
+  for (const char* text : {"<robot>", "<robot\n name=\"g1\">", "<robot/>"}) {
+    EXPECT_THAT(std::string(file_type(text).what), HasSubstr("URDF")) << text;
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
@@ -172,8 +173,10 @@ TEST(HelperJoints, MayHavePositionChannels) {
   }
 }
 
-// The same movement with joints in the middle of bones, which take a share of the bones' twist.
-Clip with_twist_joints(const Clip& clip, const std::vector<std::string>& ends, double share) {
+// The same movement with joints inside bones, by default in the middle. They take a share of the
+// bones' twist.
+Clip with_twist_joints(const Clip& clip, const std::vector<std::string>& ends, double share,
+                       double place_in_bone = 0.5) {
   const Skeleton& old = clip.skeleton();
   std::vector<Joint> joints;
   std::vector<int> place(old.joint_count()), twist(old.joint_count(), -1);
@@ -181,8 +184,9 @@ Clip with_twist_joints(const Clip& clip, const std::vector<std::string>& ends, d
     Joint joint = old.joint(i);
     if (joint.parent >= 0) joint.parent = place[joint.parent];
     if (std::ranges::find(ends, joint.name) != ends.end()) {
-      joint.offset *= 0.5;
       Joint middle = joint;
+      middle.offset *= place_in_bone;
+      joint.offset *= 1.0 - place_in_bone;
       middle.name = "twist" + std::to_string(i);
       middle.end_sites.clear();
       twist[old.joint(i).parent] = static_cast<int>(joints.size());
@@ -226,17 +230,19 @@ TEST(TwistJoints, TwistTheirBone) {
   }
 }
 
+std::size_t first_joint_of(const Clip& clip, const std::string& beginning) {
+  const auto& joints = clip.skeleton().joints();
+  const auto found = std::ranges::find_if(
+      joints, [&](const Joint& joint) { return joint.name.starts_with(beginning); });
+  EXPECT_NE(found, joints.end());
+  return static_cast<std::size_t>(found - joints.begin());
+}
+
 // A joint that bends a bone, as a tentacle has, does not twist it.
 TEST(TwistJoints, DoNotBend) {
   const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   Clip twin = with_twist_joints(clip, {"LeftForeArm"}, 0.0);
-  const auto count = static_cast<std::size_t>(twin.skeleton().joint_count());
-  std::size_t middle = 0;
-  while (middle < count &&
-         !twin.skeleton().joint(static_cast<int>(middle)).name.starts_with("tw")) {
-    ++middle;
-  }
-  ASSERT_LT(middle, count);
+  const std::size_t middle = first_joint_of(twin, "twist");
   for (int frame = 0; frame < twin.frame_count(); frame += 2) {
     twin.rotations(frame)[middle] =
         Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()));
@@ -244,6 +250,25 @@ TEST(TwistJoints, DoNotBend) {
   const BoneMap map = recognise_skeleton(twin, {}).value();
   const Calibration found = calibrate(twin, map, {}).value();
   EXPECT_EQ(found.bones[Bone::kLeftArm].twist_joint, -1);
+}
+
+// A helper 3 cm above the knee takes half of the knee's rotation.
+TEST(TwistJoints, AreNotJointsOfADoubleKnee) {
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
+  Clip twin = with_twist_joints(clip, {"LeftLeg"}, 0.0, 0.93);
+  const std::size_t helper = first_joint_of(twin, "twist"), knee = helper + 1;
+  const auto twist_joint = [&] {
+    const BoneMap map = recognise_skeleton(twin, {}).value();
+    return calibrate(twin, map, {}).value().bones[Bone::kLeftUpLeg].twist_joint;
+  };
+  EXPECT_EQ(twist_joint(), static_cast<int>(helper));
+  for (int frame = 0; frame < twin.frame_count(); ++frame) {
+    const Eigen::Quaterniond bend = std::as_const(twin).rotations(frame)[knee];
+    const Eigen::Quaterniond half = Eigen::Quaterniond::Identity().slerp(0.5, bend);
+    twin.rotations(frame)[helper] = half;
+    twin.rotations(frame)[knee] = (half.conjugate() * bend).normalized();
+  }
+  EXPECT_EQ(twist_joint(), -1);
 }
 
 // Each step has a constant cost for any chain length: a search over all joints would run into the

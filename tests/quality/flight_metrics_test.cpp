@@ -189,9 +189,62 @@ HumanClip sitting_down(int frames) {
   return human;
 }
 
+// Stands for 60 frames, then holds a pose. Arguments: positions of the trunk and the left leg.
+HumanClip holding(const Eigen::Vector3d& hips, const Eigen::Vector3d& neck,
+                  const Eigen::Vector3d& knee, const Eigen::Vector3d& ankle) {
+  constexpr int kFrames = 150;
+  HumanClip human = sitting_down(kFrames);
+  human.sources[Bone::kNeck] = "Neck";
+  for (int frame = 0; frame < kFrames; ++frame) {
+    HumanPose& pose = human.world_from_bone[static_cast<std::size_t>(frame)];
+    pose[Bone::kNeck].translation = {0.0, 0.0, 1.45};
+    if (frame < 60) continue;
+    pose[Bone::kHips].translation = hips;
+    pose[Bone::kNeck].translation = neck;
+    for (const Side side : kSides) {
+      const Eigen::Vector3d mirror(1.0, side == Side::kLeft ? 1.0 : -1.0, 1.0);
+      const auto put = [&](LimbBone bone, const Eigen::Vector3d& place) {
+        pose[side_bone(side, bone)].translation = mirror.cwiseProduct(place);
+      };
+      put(LimbBone::kUpLeg, hips + Eigen::Vector3d(0.0, 0.1, -0.02));
+      put(LimbBone::kLeg, knee);
+      put(LimbBone::kFoot, ankle);
+      put(LimbBone::kToe, ankle + Eigen::Vector3d(0.1, 0.0, -0.06));
+    }
+  }
+  return human;
+}
+
+std::size_t seat_count(const HumanClip& human) {
+  return find_seats(human, poses_of(human), find_contacts(human)).size();
+}
+
+TEST(Seats, AreBehindTheFeet) {
+  const Eigen::Vector3d hips(-0.4, 0.0, 0.5), knee(0.0, 0.1, 0.5), ankle(0.0, 0.1, 0.08);
+  EXPECT_EQ(seat_count(holding(hips, {-0.4, 0.0, 1.0}, knee, ankle)), 1U);
+  // The trunk leans on a backrest, or over a table.
+  EXPECT_EQ(seat_count(holding(hips, {-0.6, 0.0, 0.95}, knee, ankle)), 1U);
+  EXPECT_EQ(seat_count(holding(hips, {-0.1, 0.0, 0.9}, knee, ankle)), 1U);
+}
+
+TEST(Seats, AreNotSquatsAndWideStances) {
+  // A parallel squat with the trunk leaning forward.
+  EXPECT_EQ(seat_count(holding({-0.25, 0.0, 0.47}, {0.25, 0.0, 0.85}, {0.15, 0.1, 0.45},
+                               {0.0, 0.1, 0.08})),
+            0U);
+  // A horse stance.
+  EXPECT_EQ(
+      seat_count(holding({-0.05, 0.0, 0.5}, {0.0, 0.0, 1.0}, {0.1, 0.45, 0.5}, {0.0, 0.45, 0.08})),
+      0U);
+  // The hips rest on the heels, with the trunk along the floor.
+  EXPECT_EQ(
+      seat_count(holding({0.0, 0.0, 0.3}, {0.5, 0.0, 0.2}, {0.4, 0.1, 0.05}, {0.0, 0.1, 0.08})),
+      0U);
+}
+
 TEST(MissingSurfaces, MayBeSeats) {
   const HumanClip human = sitting_down(120);
-  const ContactPlan contacts = find_contacts(human);
+  ContactPlan contacts = find_contacts(human);
   const auto seats = find_seats(human, poses_of(human), contacts);
   ASSERT_EQ(seats.size(), 1U);
   EXPECT_NEAR(seats[0].frames.begin, 61, 2);
@@ -208,6 +261,9 @@ TEST(MissingSurfaces, MayBeSeats) {
   EXPECT_NEAR(missing(seats, {}), 49.0, 2.0);
   // The robot touches a chair of the scene.
   EXPECT_EQ(missing(seats, std::vector<char>(120, 1)), 0.0);
+  // A hand on the floor carries the body as well.
+  contacts.bodies[4] = {{0, 120, 0.0}};
+  EXPECT_EQ(missing(seats, {}), 0.0);
 }
 
 // The faster the root rises, the fewer contacts of a runner's feet are found.

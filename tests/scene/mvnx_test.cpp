@@ -244,7 +244,8 @@ TEST(MvnxTest, ReadsTheRequestedSubject) {
   ASSERT_TRUE(plain);
   EXPECT_EQ(plain->frame_count(), 1);
   ASSERT_EQ(plain->origin().warnings.size(), 1U);
-  EXPECT_THAT(plain->origin().warnings[0].message, HasSubstr("2 subjects is read: A, B"));
+  EXPECT_THAT(plain->origin().warnings[0].message,
+              HasSubstr("the file has 2 subjects (A, B), and only"));
   for (const char* root : {"B", "2"}) {
     const auto chosen = read(root);
     ASSERT_TRUE(chosen) << chosen.error().message;
@@ -258,6 +259,11 @@ TEST(MvnxTest, ReadsTheRequestedSubject) {
     EXPECT_EQ(wrong.error().kind, ErrorKind::kUsage);
   }
   EXPECT_THAT(read("C").error().message, HasSubstr("found A, B"));
+  // A subject without a label has its number.
+  text.replace(text.find("\"B\""), 3, "\"\"");
+  const auto unnamed = read("");
+  ASSERT_TRUE(unnamed && unnamed->origin().warnings.size() == 1);
+  EXPECT_THAT(unnamed->origin().warnings[0].message, HasSubstr("2 subjects (A, 2)"));
 }
 
 }  // namespace

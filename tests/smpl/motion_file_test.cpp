@@ -265,6 +265,10 @@ TEST(MotionFileTest, WarnsAboutGapsInTheNumbersOfFrames) {
   EXPECT_THAT(warnings({7, 8, 9, 40, 42}),
               HasSubstr("\"frame_ids\" leaves out 31 frames in 2 places, first after 9 (0.20 s"));
   EXPECT_THAT(warnings({7, 8, 9, 10, 11}), Not(HasSubstr("frame_ids")));
+  // Every second frame of the video.
+  EXPECT_THAT(warnings({0, 2, 4, 6, 8}), Not(HasSubstr("frame_ids")));
+  EXPECT_THAT(warnings({0, 2, 4, 12, 14}), HasSubstr("leaves out 3 frames in 1 place, first"));
+  EXPECT_THAT(warnings({3, 3, 3, 3, 3}), Not(HasSubstr("frame_ids")));
   EXPECT_THAT(warnings({7, 40}), Not(HasSubstr("frame_ids")));
 }
 

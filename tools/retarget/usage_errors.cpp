@@ -100,6 +100,8 @@ std::vector<std::string> words_of(const CLI::App& command) {
 
 // GLB files can show human motions, which need no robot.
 bool may_be_of_human(const CLI::App& command) {
+  const CLI::Option* format = command.get_option_no_throw("--format");
+  if (format != nullptr && format->count() > 0 && format->results().front() == "glb") return true;
   return std::ranges::any_of(std::array{"out", "--output"}, [&](const char* name) {
     const auto& given = command.get_option(name)->results();
     return !given.empty() && is_glb_name(given.front());

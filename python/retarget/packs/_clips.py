@@ -92,7 +92,8 @@ def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
             raise _same_clip(*taken[:2])
         for file in taken:
             name = names[file]
-            clips.robots[name] = entry.robot
+            if entry.robot:
+                clips.robots[name] = entry.robot
             if not file.lower().endswith(".csv"):
                 continue
             if entry.fps > 0:
@@ -103,21 +104,32 @@ def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
 
 
 def _same_clip(a: str, b: str) -> UsageError:
-    end = b[os.path.commonprefix([a, b]).rfind("."):]
-    return UsageError(f'"{a}" and "{b}" are of the same clip; ending="{end}" takes the files with '
-                      'this end')
+    dot = os.path.commonprefix([a, b]).rfind(".")
+    hint = f'ending="{b[dot:]}" takes the files with this end' if dot >= 0 else "give an ending"
+    return UsageError(f'"{a}" and "{b}" are of the same clip; {hint}')
 
 
 def _csv_units(folder: Path) -> dict[str, dict[str, str]]:
     """Returns the options of load_motion() that the units of CSVs need, by key of options.json."""
     try:
         runs = json.loads((folder / "options.json").read_bytes())
-        return {run["options_hash"]:
-                ({"source_angles": "deg"} if run["options"].get("csv-degrees") == "true" else {}) |
-                ({"source_unit": "cm"} if run["options"].get("csv-centimetres") == "true" else {})
-                for run in runs}
+        return {run["options_hash"]: _units_of(run["options"]) for run in runs}
     except (AttributeError, KeyError, OSError, TypeError, ValueError):
         return {}  # Of an older version, or damaged: units are then detected.
+
+
+def _units_of(options: dict[str, str]) -> dict[str, str]:
+    units: dict[str, str] = {}
+    if "csv-soma" in options.get("format", ""):
+        return units
+    if degrees := options.get("csv-degrees"):
+        units["source_angles"] = "deg" if degrees == "true" else "rad"
+    if centimetres := options.get("csv-centimetres"):
+        units["source_unit"] = "cm" if centimetres == "true" else "m"
+    # A header names the parts of the quaternion.
+    if (order := options.get("csv-quat")) and options.get("csv-header") != "true":
+        units["source_quat"] = order
+    return units
 
 
 def _entries(folder: Path) -> Iterator[_Entry]:
@@ -145,7 +157,8 @@ def _entry_of_line(line: bytes) -> _Entry | None:
         files = [output["file"] if output.get("file_hex") is None else
                  bytes.fromhex(output["file_hex"]).decode(errors="surrogateescape")
                  for output in entry["outputs"]]
-        return _Entry(files, str(entry["robot"]), float(entry["fps"]), str(entry["options_hash"]))
+        return _Entry(files, str(entry.get("robot") or ""), float(entry.get("fps") or 0.0),
+                      str(entry.get("options_hash") or ""))
     except (AttributeError, KeyError, TypeError, ValueError):
         return None
 
@@ -218,8 +231,10 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
+        # A robot that is given as a folder is recorded by the name in its profile.
+        given = self.robot.name, _retarget.recorded_name(self.robot)
         recorded = self._robots.get(name, self.robot.name)
-        if recorded != self.robot.name:
+        if recorded not in given:
             raise UsageError(f"clips[{name!r}]: the batch records a motion of {recorded}, but "
                              f"robot is {self.robot.name}")
         return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),

@@ -103,7 +103,7 @@ OptionTable foot_table(FitOptions& o) {
       number(kGroup, "self_collision_margin", o.self_collision_margin,
              "Metres; shapes closer than this count as overlapping", -1.0, 1.0),
       number(kGroup, "limit_margin_weight", o.limit_margin_weight,
-             "Joints within 3 % of their range of a limit, relative to that margin")};
+             "Depth of a joint in the last 3 % of its range, as a share of them; cubic cost")};
 }
 
 OptionTable motion_table(FitOptions& o) {

@@ -147,13 +147,21 @@ std::string_view from_xml_root(std::string_view bytes) {
   }
 }
 
+// Whether text is an element of XML with this name.
+bool is_element(std::string_view text, std::string_view name) {
+  if (!text.starts_with('<') || !text.substr(1).starts_with(name)) return false;
+  text.remove_prefix(1 + name.size());
+  return !text.empty() && (kBlanks.find(text.front()) != std::string_view::npos ||
+                           text.front() == '>' || text.front() == '/');
+}
+
 FileType xml_type(std::string_view bytes) {
   const std::string_view root = from_xml_root(bytes);
   if (root.starts_with("<mvnx")) return {FileKind::kMvnx, "an MVNX file", kFbxHint};
-  if (root.starts_with("<mujoco")) {
+  if (is_element(root, "mujoco")) {
     return {FileKind::kForeign, "an MJCF model without motion", kModelHint};
   }
-  if (root.starts_with("<robot")) {
+  if (is_element(root, "robot")) {
     return {FileKind::kForeign, "a URDF model without motion", kModelHint};
   }
   skip_blanks(bytes = without_bom(bytes));
@@ -183,15 +191,26 @@ FileType json_type(std::string_view bytes) {
           "save joint positions or rotations as arrays with numpy.savez: docs/positions.md"};
 }
 
-// OBJ has comments, then vertices or the name of a material library or object.
+// A vertex in a line of OBJ.
+bool is_obj_vertex(std::string_view line) {
+  return take_word(line) == "v" && parse_number<double>(take_word(line)).has_value();
+}
+
+// OBJ has comments, then vertices, or first the name of a material library or object.
 bool is_obj(std::string_view bytes) {
   while (true) {
     skip_blanks(bytes);
     if (!bytes.starts_with('#')) break;
     take_until(bytes, '\n');
   }
-  const std::string_view word = bytes.substr(0, bytes.find(' '));
-  return word == "mtllib" || word == "v" || word == "o";
+  std::string_view line = take_until(bytes, '\n');
+  if (is_obj_vertex(line)) return true;
+  const std::string_view word = take_word(line);
+  if (word != "mtllib" && word != "o") return false;
+  while (!bytes.empty()) {
+    if (is_obj_vertex(take_until(bytes, '\n'))) return true;
+  }
+  return false;
 }
 
 bool begins_with(std::string_view text, const Signature& signature) {

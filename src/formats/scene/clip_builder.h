@@ -54,7 +54,8 @@ struct WorldJoint {
 /// the file: with all rotations identity the skeleton is in the rest pose. Bone lengths are those
 /// of the motion, not of the rest pose. A joint whose translation is the same in all frames has it
 /// as its offset. A joint that translates has its offset in the rest pose, at the scale of the
-/// motion, unless the rest pose has another length there; then it has the offset of the first frame.
+/// motion, unless the rest pose has another length there; then it has the offset of the first
+/// frame.
 class ClipBuilder {
  public:
   /// Bytes per frame of `joints` joints while a clip is built.

@@ -80,11 +80,12 @@ class MvnxReader {
   // The subject that is requested by its label or its number from 1; without a request the first.
   Result<const XMLElement*> choose_subject(const XMLElement* root) {
     std::vector<const XMLElement*> subjects;
-    std::vector<std::string> labels;
+    std::vector<std::string> labels, names;  // Names: labels, or numbers from 1 without them.
     for (const XMLElement* each = root == nullptr ? nullptr : root->FirstChildElement("subject");
          each != nullptr; each = each->NextSiblingElement("subject")) {
       subjects.push_back(each);
       labels.push_back(printable(attribute_of(each, "label")));
+      names.push_back(labels.back().empty() ? std::to_string(subjects.size()) : labels.back());
     }
     if (subjects.empty()) return fault("it has no subject");
     if (!options_.take.empty() && options_.take != "1") {
@@ -102,13 +103,13 @@ class MvnxReader {
         chosen = *number - 1;
       } else {
         return usage_failure("expected a subject \"" + printable(options_.root) +
-                             "\" (" OPTION("root") "), found " + list_names(labels, 8));
+                             "\" (" OPTION("root") "), found " + list_names(names, 8));
       }
     } else if (subjects.size() > 1) {
       warnings_.push_back({0, 0,
-                           fmt::format("only the first of the file's {} subjects is read: {}; "
+                           fmt::format("the file has {} subjects ({}), and only the first is read; "
                                        "" OPTION("root") " NAME|N reads another",
-                                       subjects.size(), list_names(labels, 8))});
+                                       subjects.size(), list_names(names, 8))});
     }
     if (subjects.size() > 1) {
       subject_ = fmt::format("subject {} of {}, ", chosen + 1, subjects.size());

@@ -128,8 +128,8 @@ class SceneSampler {
 
   void warn_of_longer_takes(const std::vector<std::string>& takes) {
     warnings_.push_back({0, 0,
-                         fmt::format("longer takes move only a small part of the body and are not "
-                                     "read: {}; " OPTION("take") " NAME reads one",
+                         fmt::format("longer takes move less than half as much of the body and are "
+                                     "not read: {}; " OPTION("take") " NAME reads one",
                                      list_names(takes, 8))});
   }
 

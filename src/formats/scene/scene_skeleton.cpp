@@ -127,8 +127,9 @@ std::vector<int> body_roots(const std::vector<Candidate>& candidates) {
 }
 
 // Skeletons of bones, or of moving nodes if the bones do not form a body.
-std::vector<Candidate> skeletons_of(const SceneGraph& scene, int take) {
-  auto candidates = candidates_of(scene, bones_of(scene), take);
+// @param bones  bones_of(scene)
+std::vector<Candidate> skeletons_of(const SceneGraph& scene, const Marks& bones, int take) {
+  auto candidates = candidates_of(scene, bones, take);
   if (std::ranges::any_of(candidates, is_body)) return candidates;
   auto plain = candidates_of(scene, moving_nodes(scene, take), take);
   if (candidates.empty() || std::ranges::any_of(plain, is_body)) return plain;
@@ -183,11 +184,10 @@ bool is_larger(const Candidate& a, const Candidate& b) {
                               : a.skeleton.joints.size() > b.skeleton.joints.size();
 }
 
-}  // namespace
-
-Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take, const std::string& root,
-                                      const std::string& file_name) {
-  auto candidates = skeletons_of(scene, take);
+// choose_skeleton() with the marks of bones_of(scene), which are the same in all takes.
+Result<SceneSkeleton> choose_among(const SceneGraph& scene, const Marks& bones, int take,
+                                   const std::string& root, const std::string& file_name) {
+  auto candidates = skeletons_of(scene, bones, take);
   if (candidates.empty()) {
     return input_failure(file_name,
                          fmt::format("the {} file has no skeleton: none of its {} is a joint",
@@ -227,6 +227,13 @@ Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take, const s
   return chosen;
 }
 
+}  // namespace
+
+Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take, const std::string& root,
+                                      const std::string& file_name) {
+  return choose_among(scene, bones_of(scene), take, root, file_name);
+}
+
 std::string other_actors_text(const SceneGraph& scene, const SceneSkeleton& chosen, int take) {
   // This take comes first, because an actor may move in several.
   std::vector<int> takes(scene.takes.size());
@@ -235,8 +242,9 @@ std::string other_actors_text(const SceneGraph& scene, const SceneSkeleton& chos
   std::set<int> known = {chosen.joints.front()};
   std::vector<std::string> actors;
   bool in_other_takes = false;
+  const Marks bones = bones_of(scene);
   for (const int at : takes) {
-    for (const Candidate& each : skeletons_of(scene, at)) {
+    for (const Candidate& each : skeletons_of(scene, bones, at)) {
       const int root = each.skeleton.joints.front();
       if (!is_body(each) || each.moving == 0 || !known.insert(root).second) continue;
       std::string actor = "\"" + printable(name_unlike(scene, root, chosen.joints.front())) + "\"";
@@ -299,15 +307,21 @@ struct TakeUse {
   [[nodiscard]] double length() const { return choice ? choice->end - choice->begin : 0.0; }
 };
 
-TakeUse use_of(const SceneGraph& scene, int take, const std::string& root,
-               const std::string& file_name) {
+// What all takes of a scene have in common.
+struct SceneBodies {
+  Marks bones;                          // bones_of
+  std::vector<Eigen::Vector3d> places;  // node_rests
+};
+
+TakeUse use_of(const SceneGraph& scene, const SceneBodies& bodies, int take,
+               const std::string& root, const std::string& file_name) {
   const SceneTake& its = scene.takes[as_size(take)];
   if (std::ranges::find(its.has_keys, true) == its.has_keys.end()) {
     SceneMotionChoice none;
     none.take = take;
     return {std::move(none)};
   }
-  const auto skeleton = choose_skeleton(scene, take, root, file_name);
+  const auto skeleton = choose_among(scene, bodies.bones, take, root, file_name);
   if (!skeleton) {
     // The choice between several skeletons is ambiguous; report it only if this take is used.
     return {failure(skeleton.error()),
@@ -322,7 +336,8 @@ TakeUse use_of(const SceneGraph& scene, int take, const std::string& root,
   choice.moves = any_of_both(chain, its.moves);
   set_extent(scene, chain, choice);
   return {std::move(choice), any_of_both(chain, its.has_keys),
-          skeleton->joints.size() >= kMinBodyJoints, moving_share(scene, *skeleton, take)};
+          skeleton->joints.size() >= kMinBodyJoints,
+          moving_share(bodies.places, *skeleton, its.moves)};
 }
 
 // Whether a take lasts longer, by more than rounding.
@@ -386,9 +401,10 @@ Result<SceneMotionChoice> choose_motion(const SceneGraph& scene, const std::stri
   if (!wanted_take.empty()) {
     TRY_ASSIGN(wanted, find_take(scene, wanted_take, file_name));
   }
+  const SceneBodies bodies = {bones_of(scene), node_rests(scene)};
   std::vector<TakeUse> uses;
   for (std::size_t i = 0; i < scene.takes.size(); ++i) {
-    uses.push_back(use_of(scene, static_cast<int>(i), root, file_name));
+    uses.push_back(use_of(scene, bodies, static_cast<int>(i), root, file_name));
   }
   if (wanted >= 0) {
     TakeUse& use = uses[as_size(wanted)];

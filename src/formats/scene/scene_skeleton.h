@@ -23,9 +23,8 @@ struct SceneSkeleton {
 ///
 /// Joints are limbs, joints of skins and the nodes between them. If these are too few for a body,
 /// joints are the nodes that move in the take, because some programs write skeletons as plain
-/// nodes. A moving node on which a torso and two legs hang is a joint, too. Each tree of joints is a
-/// skeleton. Without a root name, the skeleton with the most moving
-/// joints is chosen.
+/// nodes. A moving node on which a torso and two legs hang is a joint, too. Each tree of joints is
+/// a skeleton. Without a root name, the skeleton with the most moving joints is chosen.
 ///
 /// @param take  -1: none; the choice depends on size alone.
 /// @param root  name of the root or of a node above it; if no node has it, the number of a skeleton

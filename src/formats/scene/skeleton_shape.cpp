@@ -9,18 +9,6 @@
 namespace retarget {
 namespace {
 
-// World positions of all nodes at rest.
-std::vector<Eigen::Vector3d> node_rests(const SceneGraph& scene) {
-  std::vector<NodePlace> places;
-  std::vector<Eigen::Vector3d> positions;
-  for (const SceneNode& node : scene.nodes) {
-    const NodePlace parent = node.parent < 0 ? NodePlace() : places[as_size(node.parent)];
-    places.push_back(place_below(parent, node.rest));
-    positions.push_back(places.back().world_from_node.translation());
-  }
-  return positions;
-}
-
 // A tree of joints: its root, its number of joints, and their largest distance from the root.
 struct JointTreeSize {
   int root = -1;
@@ -48,12 +36,15 @@ std::vector<JointTreeSize> joint_trees(const SceneGraph& scene, const std::vecto
 
 // The nearest node above each node that moves in any take; -1: none.
 std::vector<int> moving_nodes_above(const SceneGraph& scene) {
+  std::vector<bool> moves(scene.nodes.size());
+  for (const SceneTake& take : scene.takes) {
+    for (std::size_t i = 0; i < moves.size(); ++i) moves[i] = moves[i] || take.moves[i];
+  }
   std::vector<int> above;
   for (const SceneNode& node : scene.nodes) {
-    const auto moves = [&](const SceneTake& take) { return take.moves[as_size(node.parent)]; };
-    above.push_back(node.parent < 0                           ? -1
-                    : std::ranges::any_of(scene.takes, moves) ? node.parent
-                                                              : above[as_size(node.parent)]);
+    above.push_back(node.parent < 0               ? -1
+                    : moves[as_size(node.parent)] ? node.parent
+                                                  : above[as_size(node.parent)]);
   }
   return above;
 }
@@ -78,6 +69,17 @@ bool are_torso_and_legs(const std::vector<JointTreeSize>& trees,
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> node_rests(const SceneGraph& scene) {
+  std::vector<NodePlace> places;
+  std::vector<Eigen::Vector3d> positions;
+  for (const SceneNode& node : scene.nodes) {
+    const NodePlace parent = node.parent < 0 ? NodePlace() : places[as_size(node.parent)];
+    places.push_back(place_below(parent, node.rest));
+    positions.push_back(places.back().world_from_node.translation());
+  }
+  return positions;
+}
+
 bool mark_dummy_hips(const SceneGraph& scene, std::vector<bool>& marks) {
   const std::vector<Eigen::Vector3d> places = node_rests(scene);
   const std::vector<int> above = moving_nodes_above(scene);
@@ -94,9 +96,8 @@ bool mark_dummy_hips(const SceneGraph& scene, std::vector<bool>& marks) {
   return found;
 }
 
-double moving_share(const SceneGraph& scene, const SceneSkeleton& skeleton, int take) {
-  const std::vector<Eigen::Vector3d> places = node_rests(scene);
-  const std::vector<bool>& moves = scene.takes[as_size(take)].moves;
+double moving_share(const std::vector<Eigen::Vector3d>& places, const SceneSkeleton& skeleton,
+                    const std::vector<bool>& moves) {
   double all = 0.0, moving = 0.0;
   for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
     const int parent = skeleton.joints[as_size(skeleton.parents[j])];
@@ -139,15 +140,15 @@ std::size_t drop_still_copies(const SceneGraph& scene, int take, SceneSkeleton& 
     }
     return false;
   };
+  std::vector<std::size_t> others_before(count + 1);  // Joints without counterpart before each.
+  for (std::size_t j = 0; j < count; ++j) {
+    const bool may_be_copied = !is_moved[j] && !has_movement[j];
+    others_before[j + 1] = others_before[j] + (may_be_copied && !has_counterpart(j) ? 1 : 0);
+  }
   const auto is_copy = [&](std::size_t top) {
     if (is_moved[top] || has_movement[top] || end[top] - top < kMinBodyJoints) return false;
-    const double most = kMostOthers * static_cast<double>(end[top] - top);
-    std::size_t others = 0;
-    for (std::size_t j = top; j < end[top]; ++j) {
-      others += has_counterpart(j) ? 0 : 1;
-      if (static_cast<double>(others) > most) return false;
-    }
-    return true;
+    const auto others = static_cast<double>(others_before[end[top]] - others_before[top]);
+    return others <= kMostOthers * static_cast<double>(end[top] - top);
   };
 
   SceneSkeleton kept;

@@ -141,13 +141,58 @@ bool leaves_origin(const JointMotion& motion, int joint) {
   return kShare * zeros < motion.frame_count;
 }
 
-// Marks the frames in which several joints that leave the origin are exactly there. No joints of a
-// person are at the same place, so all of them are lost.
+bool is_away(const Vector3d& place) {
+  return place.allFinite() && place != Vector3d::Zero();
+}
+
+// The frame in which most joints are tracked and away from the origin.
+int fullest_frame(const JointMotion& motion) {
+  int fullest = 0, most = -1;
+  for (int frame = 0; frame < motion.frame_count; ++frame) {
+    int away = 0;
+    for (int joint = 0; joint < motion.joint_count; ++joint) {
+      away += is_away(motion.position(frame, joint)) ? 1 : 0;
+    }
+    if (away <= most) continue;
+    fullest = frame;
+    most = away;
+  }
+  return fullest;
+}
+
+// Whether two joints are at the same place where they are away from the origin, such as the hips
+// and the hip joints of CMU's skeletons.
+// @param start  frame from which to search for one in which both are away
+bool coincide(const JointMotion& motion, int first, int second, int start) {
+  constexpr double kSamePlace = 1e-3;  // Metres.
+  for (int i = 0; i < motion.frame_count; ++i) {
+    const int frame = i < motion.frame_count - start ? start + i : start + i - motion.frame_count;
+    const Vector3d& a = motion.position(frame, first);
+    const Vector3d& b = motion.position(frame, second);
+    if (is_away(a) && is_away(b)) return (a - b).norm() < kSamePlace;
+  }
+  return false;
+}
+
+// The joints that leave the origin; of joints that coincide only the first.
+std::vector<int> distinct_joints(const JointMotion& motion) {
+  const int start = fullest_frame(motion);
+  std::vector<int> distinct;
+  for (int joint = 0; joint < motion.joint_count; ++joint) {
+    if (!leaves_origin(motion, joint)) continue;
+    const bool is_new = std::ranges::none_of(
+        distinct, [&](int other) { return coincide(motion, other, joint, start); });
+    if (is_new) distinct.push_back(joint);
+  }
+  return distinct;
+}
+
+// Marks the frames in which several joints that leave the origin and do not coincide elsewhere are
+// exactly there: all of them are lost.
 std::vector<char> frames_at_origin(const JointMotion& motion) {
   constexpr int kFewest = 3;
   std::vector<int> counts(static_cast<std::size_t>(motion.frame_count));
-  for (int joint = 0; joint < motion.joint_count; ++joint) {
-    if (!leaves_origin(motion, joint)) continue;
+  for (const int joint : distinct_joints(motion)) {
     for (int frame = 0; frame < motion.frame_count; ++frame) {
       const bool is_there = motion.position(frame, joint) == Vector3d::Zero();
       counts[static_cast<std::size_t>(frame)] += is_there ? 1 : 0;

@@ -34,12 +34,12 @@ struct SmplMotion {
 using ArrayMotion = std::variant<SmplMotion, JointMotion>;
 
 /// Reads a file by its content: joint positions with read_joint_motion, otherwise an AMASS-like
-/// motion: an NPZ file with `trans` (F, 3) and either `root_orient` (F, 3) with `pose_body` (F, 63),
-/// or `poses` (F, W), where W is 66, 72 (SMPL), 156 (SMPL+H) or 165 (SMPL-X). Rotations are rotation
-/// vectors in radians; shape (F, W / 3, 3) is accepted as well. The pelvis is in columns 0 to 2, the
-/// body in 3 to 65. Hands are the last 90 columns of the two widest layouts, or `pose_hand` (F, 90),
-/// or `left_hand_pose` and `right_hand_pose` (F, 45); if they move, the skeleton has fingers. The
-/// face is dropped.
+/// motion: an NPZ file with `trans` (F, 3) and either `root_orient` (F, 3) with `pose_body`
+/// (F, 63), or `poses` (F, W), where W is 66, 72 (SMPL), 156 (SMPL+H) or 165 (SMPL-X). Rotations
+/// are rotation vectors in radians; shape (F, W / 3, 3) is accepted as well. The pelvis is in
+/// columns 0 to 2, the body in 3 to 65. Hands are the last 90 columns of the two widest layouts, or
+/// `pose_hand` (F, 90), or `left_hand_pose` and `right_hand_pose` (F, 45); if they move, the
+/// skeleton has fingers. The face is dropped.
 ///
 /// The frame rate is `mocap_framerate`, `mocap_frame_rate` or `fps`, a scalar or an array with one
 /// element. `betas` and `gender` (any text array) may be missing, with a warning.

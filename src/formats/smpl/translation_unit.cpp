@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "motion/clip.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -245,12 +247,22 @@ std::optional<std::string> missing_frames(const ArraySource& file, int frame_cou
   if (!array || !array->is_number()) return std::nullopt;
   const std::vector<double> ids = array->numbers();
   if (ids.size() != static_cast<std::size_t>(frame_count)) return std::nullopt;
+  // Files may contain every second or third frame of the video.
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < ids.size(); ++i) {
+    const double step = ids[i] - ids[i - 1];
+    if (step > 0.0 && std::isfinite(step)) steps.push_back(step);
+  }
+  if (steps.empty()) return std::nullopt;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
+  std::ranges::nth_element(steps, middle);
+  const double usual = *middle;
   double missing = 0.0;
   std::size_t gaps = 0, first = 0;
   for (std::size_t i = 1; i < ids.size(); ++i) {
     const double step = ids[i] - ids[i - 1];
-    if (!(step > 1.0)) continue;
-    missing += step - 1.0;
+    if (!(step > 1.5 * usual) || !std::isfinite(step)) continue;
+    missing += step / usual - 1.0;
     if (++gaps == 1) first = i;
   }
   if (gaps == 0) return std::nullopt;

@@ -17,25 +17,37 @@ using Eigen::Vector3d;
 constexpr double kStillHips = 0.12;    // Speed.
 constexpr double kShortestSeat = 0.5;  // Seconds.
 constexpr double kLevelThigh = 0.6;    // Greatest sine of the slope of a sitting body's thigh.
-constexpr double kBehindFeet = 0.2;    // Of sitting hips.
+constexpr double kBehindFeet = 0.2;    // Of the hips and the trunk of a sitting body.
 constexpr double kSeatDepth = 0.13;    // From the joint of the hips to the skin.
 constexpr double kLowestSeat = 0.2;    // Lower hips rest on the floor.
 
-// Whether the body sits in a pose: its thighs are level, and its hips are behind the feet.
-bool is_sitting(const HumanPose& pose, double scale, double floor) {
+// Horizontal distance of a point from the line between two others.
+double distance_from_line(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
+  const Vector2d along = (to - from).head<2>(), way = (point - from).head<2>();
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp(way.dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (way - share * along).norm();
+}
+
+// Whether the body sits in a pose: its thighs are level, and hips and trunk are behind the feet.
+// In a squat or a wide stance, the trunk is above the line between the feet.
+// @param top  the upper end of the trunk
+bool is_sitting(const HumanPose& pose, Bone top, double scale, double floor) {
   const auto place = [&](Bone bone) -> const Vector3d& { return pose[bone].translation; };
   const Vector3d hips = place(Bone::kHips);
   const double height = hips.z() - floor;
   if (height < kLowestSeat * scale || height > 0.8 * kUsualSourceLeg * scale) return false;
-  double nearest = 1e9;
   for (const Side side : kSides) {
     const Vector3d thigh =
         place(side_bone(side, LimbBone::kLeg)) - place(side_bone(side, LimbBone::kUpLeg));
     if (!(std::abs(thigh.z()) <= kLevelThigh * thigh.norm())) return false;
-    const Vector3d foot = place(side_bone(side, LimbBone::kFoot));
-    nearest = std::min(nearest, (foot - hips).head<2>().norm());
   }
-  return nearest >= kBehindFeet * scale;
+  const Vector3d middle = 0.5 * (hips + place(top));
+  const auto is_behind = [&](const Vector3d& point) {
+    return distance_from_line(point, place(Bone::kLeftFoot), place(Bone::kRightFoot)) >=
+           kBehindFeet * scale;
+  };
+  return is_behind(hips) && is_behind(middle);
 }
 
 }  // namespace
@@ -49,6 +61,12 @@ std::vector<SeatRest> find_seats(const HumanClipInfo& human, const HumanPoseSour
     }
   }
   if (!human.has(Bone::kHips)) return seats;
+  Bone top = Bone::kHips;
+  if (human.has(Bone::kNeck)) {
+    top = Bone::kNeck;
+  } else if (human.has(Bone::kHead)) {
+    top = Bone::kHead;
+  }
   const double scale = contacts.scale, floor = floor_height(contacts);
   const double frame_time = human.rate.frame_time();
   std::vector<Vector3d> hips;
@@ -57,7 +75,7 @@ std::vector<SeatRest> find_seats(const HumanClipInfo& human, const HumanPoseSour
   for (int frame = 0; frame < human.frame_count; ++frame) {
     poses(frame, pose);
     hips.push_back(pose[Bone::kHips].translation);
-    sitting.push_back(is_sitting(pose, scale, floor) ? 1 : 0);
+    sitting.push_back(is_sitting(pose, top, scale, floor) ? 1 : 0);
   }
   const auto at = [&](int frame) -> const Vector3d& {
     return hips[static_cast<std::size_t>(frame)];

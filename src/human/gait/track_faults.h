@@ -21,10 +21,11 @@ struct StillLimbs {
   bool leg = false;                ///< Whether one of them is a leg.
 };
 
-/// Finds clips of several frames in which no limb turns by 0.2 degrees, and a leg or an arm whose bones turn by less than 0.2 degrees relative to the bones that they
-/// hang on, while the other one and a leg turn by more than 10. A leg that only stands also keeps
-/// its pose, so the foot of a still leg must travel over the ground. Looks at the whole clip,
-/// because a limb may be held still in an excerpt.
+/// Finds clips of several frames in which no limb turns by 0.2 degrees, and single still limbs: the
+/// bones of a leg or an arm turn by less than 0.2 degrees relative to the bones that they hang on,
+/// while the other one and a leg turn by more than 10. A leg that only stands also keeps its pose,
+/// so the foot of a still leg must travel over the ground. Looks at the whole clip, because a limb
+/// may be held still in an excerpt.
 [[nodiscard]] StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration);
 
 }  // namespace retarget

@@ -362,8 +362,8 @@ std::optional<Warning> check_root(Clip& clip, const Body& body) {
   return std::nullopt;
 }
 
-// Horizontal paths that a wrong sign or order of the root's axes makes of the right one: mirrored in
-// an axis or a diagonal, or turned.
+// Horizontal paths that a wrong sign or order of the root's axes makes of the right one: mirrored
+// in an axis or a diagonal, or turned.
 std::vector<Eigen::Matrix3d> wrong_paths(const Vector3d& up) {
   const Eigen::Matrix3d axes = z_up_from_file(up);
   const Vector3d a = axes.row(0), b = axes.row(1);

@@ -46,10 +46,6 @@ Segment free_end(const Skeleton& skeleton, int joint, int hips) {
   return segment;
 }
 
-}  // namespace
-
-namespace {
-
 // The translation of a joint in the zero pose.
 Eigen::Vector3d zero_translation(const Clip& clip, int joint) {
   constexpr double kConstant = 0.01, kContradicts = 0.02;  // Shares of its length.

@@ -1,27 +1,20 @@
 #include "human/skeleton/twist_joints.h"
 
 #include <algorithm>
-#include <array>
-#include <utility>
+
+#include "human/skeleton/limb_segments.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
 
-// A bone of a limb, and the one at its far end.
-using TwistedSegment = std::pair<LimbBone, LimbBone>;
-
-constexpr std::array<TwistedSegment, 4> kTwistedSegments = {
-    {{LimbBone::kUpLeg, LimbBone::kLeg},
-     {LimbBone::kLeg, LimbBone::kFoot},
-     {LimbBone::kArm, LimbBone::kForeArm},
-     {LimbBone::kForeArm, LimbBone::kHand}}};
-
 // A share of the segment's length. Joints that are nearer to the far end belong to the next bone.
 constexpr double kAtTheEnd = 0.05;
 // Largest distance from the line of the segment, as a share of its length.
 constexpr double kOffTheLine = 0.1;
+// Largest sine of the angle between the segment and its part beyond the joint.
+constexpr double kBent = 0.2;
 
 // The joints above `end`, up to but without `start`, from the last one; empty if `end` is not below
 // `start`.
@@ -33,11 +26,14 @@ std::vector<int> joints_inside(const Skeleton& skeleton, int start, int end) {
   return inside;
 }
 
-// Whether a joint stays near the straight line between two others.
+// Whether a joint stays near the straight line between two others and does not bend it.
 bool stays_on_line(int joint, int start, int end, const JointPoses& pose) {
   const Vector3d along = pose[end].translation - pose[start].translation;
   const Vector3d way = pose[joint].translation - pose[start].translation;
-  return along.cross(way).norm() <= kOffTheLine * along.squaredNorm();
+  const Vector3d rest = along - way;
+  const double length = along.norm();
+  return length > 0.0 && along.cross(way).norm() <= kOffTheLine * length * length &&
+         along.cross(rest).norm() <= kBent * length * rest.norm() && along.dot(rest) >= 0.0;
 }
 
 // The last joint inside a bone that twists it; -1: none.
@@ -61,7 +57,7 @@ BoneArray<int> find_twist_joints(const Body& body, const std::vector<JointPoses>
   BoneArray<int> found(-1);
   if (poses.empty()) return found;
   for (const Side side : kSides) {
-    for (const auto& [from, to] : kTwistedSegments) {
+    for (const auto& [from, to] : kLimbParts) {
       const Bone bone = side_bone(side, from);
       const int start = body.turning_joint(bone), end = body.joint(side_bone(side, to));
       if (start >= 0 && end >= 0) {

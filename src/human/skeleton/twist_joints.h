@@ -11,7 +11,8 @@ namespace retarget {
 ///
 /// Some rigs divide a limb's segment into several joints that share its twist. The next bone
 /// follows the last of them. They are twist joints if they stay near the straight line of the
-/// segment in all poses.
+/// segment in all poses, and the part of the segment beyond them keeps its direction. The first
+/// joint of a knee with two joints bends this part.
 [[nodiscard]] BoneArray<int> find_twist_joints(const Body& body,
                                                const std::vector<JointPoses>& poses);
 

@@ -136,7 +136,12 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
 namespace {
 
 // The support of the body in a frame.
-enum class Carrier : char { kNothing, kFloorOrScene, kMissingSurface };
+enum class Carrier : char { kNothing, kFloorOrScene, kMissingSurface, kSeat };
+
+// Whether only the source has the surface.
+bool is_missing_surface(Carrier carrier) {
+  return carrier == Carrier::kMissingSurface || carrier == Carrier::kSeat;
+}
 
 // Carriers by frame, and the height of the highest surface below a foot, metres.
 struct Carriers {
@@ -165,16 +170,16 @@ Carriers find_carriers(const ContactPlan& contacts, int frames, const std::vecto
       });
     }
   }
-  for (const auto& phases : contacts.bodies) {
-    each(phases, [&](std::size_t i, double) { found.of[i] = Carrier::kFloorOrScene; });
-  }
-  // Feet on the floor do not carry a body that sits.
+  // Feet on the floor do not carry a body that sits, but hands and knees do.
   for (const SeatRest& seat : seats) {
     const int end = std::min(seat.frames.end, frames);
     for (int frame = seat.frames.begin; frame < end; ++frame) {
-      found.of[static_cast<std::size_t>(frame)] = Carrier::kMissingSurface;
+      found.of[static_cast<std::size_t>(frame)] = Carrier::kSeat;
       found.raised[static_cast<std::size_t>(frame)] = seat.height - floor_height(contacts);
     }
+  }
+  for (const auto& phases : contacts.bodies) {
+    each(phases, [&](std::size_t i, double) { found.of[i] = Carrier::kFloorOrScene; });
   }
   for (std::size_t i = 0; i < found.of.size(); ++i) {
     if (i < touches_scene.size() && touches_scene[i] != 0) found.of[i] = Carrier::kFloorOrScene;
@@ -195,8 +200,9 @@ void bridge_flights(double frame_time, Carriers& found) {
       [&](int first, int last) {
         const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last);
         if (of[begin] != Carrier::kNothing || first == 0 || last == frames) return;
-        if (of[begin - 1] != of[end] || (last - first) * frame_time > kLongest) return;
-        std::fill(found.of.begin() + first, found.of.begin() + last, of[end]);
+        if (is_missing_surface(of[begin - 1]) != is_missing_surface(of[end])) return;
+        if ((last - first) * frame_time > kLongest) return;
+        std::fill(found.of.begin() + first, found.of.begin() + last, of[begin - 1]);
         std::fill(found.raised.begin() + first, found.raised.begin() + last,
                   found.raised[begin - 1]);
       });
@@ -214,12 +220,10 @@ void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& con
   for (std::size_t i = 0; i < carriers.of.size(); ++i) {
     if (carriers.of[i] == Carrier::kNothing) continue;
     ++known;
-    if (carriers.of[i] != Carrier::kMissingSurface) continue;
+    if (!is_missing_surface(carriers.of[i])) continue;
     ++missing;
-    const bool on_seat = std::ranges::any_of(seats, [&](const SeatRest& seat) {
-      return seat.frames.begin <= static_cast<int>(i) && static_cast<int>(i) < seat.frames.end;
-    });
-    faults.add(on_seat ? "seat" : "soles", static_cast<int>(i), carriers.raised[i]);
+    faults.add(carriers.of[i] == Carrier::kSeat ? "seat" : "soles", static_cast<int>(i),
+               carriers.raised[i]);
   }
   // In a few frames with a known support, for example of a toe that moves slowly, the share says
   // little about the motion.

@@ -45,7 +45,8 @@ class BonePoses {
   [[nodiscard]] const Pose& world_from_bone(Bone bone) const {
     return world_from_joint_[static_cast<std::size_t>(joint_of_bone_[bone])];
   }
-  /// Poses of a format's bones. Receivers expect every bone, so a missing one moves with its parent.
+  /// Poses of a format's bones. Receivers expect every bone, so a missing one moves with its
+  /// parent.
   /// @param rows  each has a `bone` and a `parent`: the index of an earlier row; -1: none.
   [[nodiscard]] std::vector<Pose> poses_of(const auto& rows) const {
     std::vector<Pose> world_from_row;

@@ -9,6 +9,15 @@
 #include "solve/fit/fit_dynamics.h"
 
 namespace retarget {
+namespace {
+
+// Whether so many frames of a clip are worth a note.
+bool is_notable(int frames, const FitClip& clip) {
+  constexpr double kShare = 0.05, kTime = 0.5;  // Share of the frames, seconds.
+  return frames >= kShare * clip.frame_count && frames * clip.frame_time >= kTime;
+}
+
+}  // namespace
 
 void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
   if (robot.fixed_base()) {
@@ -31,26 +40,24 @@ void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& 
 }
 
 void note_raised_feet(const FitClip& clip, FitReport& report) {
-  constexpr double kShare = 0.05, kTime = 0.5;  // Share of the frames, seconds.
   const RaisedFrames raised = raised_frames(clip.feet, clip.frame_count);
-  const double share = static_cast<double>(raised.count) / clip.frame_count;
-  if (share < kShare || raised.count * clip.frame_time < kTime) return;
+  if (!is_notable(raised.count, clip)) return;
   report.notes.push_back(fmt::format(
       "in {:.0f} % of the frames, the feet stand only on raised surfaces (up to {:.2f} m) that are "
       "not in the motion: `retarget scene-from-motion` finds them for " OPTION(
           "scene") "; if the human's floor was flat, the height of the root is wrong",
-      100.0 * share, raised.highest));
+      100.0 * raised.count / clip.frame_count, raised.highest));
 }
 
 void note_seats(const std::vector<SeatRest>& seats, const FitClip& clip, double floor,
                 FitReport& report) {
-  if (seats.empty()) return;
   int frames = 0;
   double highest = 0.0;
   for (const SeatRest& seat : seats) {
     frames += seat.frames.end - seat.frames.begin;
     highest = std::max(highest, seat.height - floor);
   }
+  if (!is_notable(frames, clip)) return;
   report.notes.push_back(fmt::format(
       "in {:.0f} % of the frames, the human sits on something (up to {:.2f} m high) that is not in "
       "the motion: `retarget scene-from-motion` finds it for " OPTION("scene"),
