@@ -36,7 +36,7 @@ struct BatchManifests {
   std::vector<ManifestEntry> own;             ///< Entries of that manifest.
   std::vector<ManifestEntry> others;          ///< Entries of other parts.
   std::vector<ManifestEntry> discarded = {};  ///< Entries that --redo discarded.
-  bool is_new = false;                        ///< No manifest was there, not even an empty one.
+  bool is_new = false;                        ///< No manifest exists, not even an empty one.
 };
 
 /// The clips of a call, for its robots.

@@ -307,7 +307,7 @@ struct TakeUse {
   [[nodiscard]] double length() const { return choice ? choice->end - choice->begin : 0.0; }
 };
 
-// What all takes of a scene have in common.
+// The facts that all takes of a scene share.
 struct SceneBodies {
   Marks bones;                          // bones_of
   std::vector<Eigen::Vector3d> places;  // node_rests

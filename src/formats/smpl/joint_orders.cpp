@@ -162,7 +162,7 @@ int fullest_frame(const JointMotion& motion) {
 
 // Whether two joints are at the same place where they are away from the origin, such as the hips
 // and the hip joints of CMU's skeletons.
-// @param start  frame from which to search for one in which both are away
+// @param start  first frame of the search
 bool coincide(const JointMotion& motion, int first, int second, int start) {
   constexpr double kSamePlace = 1e-3;  // Metres.
   for (int i = 0; i < motion.frame_count; ++i) {
