@@ -193,7 +193,7 @@ struct FitOptions {
 
   /// Weight of the depth inside the margin before a joint limit (3 % of the range), relative to the
   /// margin. The cost grows with the cube of the depth.
-  double limit_margin_weight = 4.5;
+  double limit_margin_weight = 5.0;
 
   /// Weight of the deviation of legs and waist from their smoothed velocity, per rad/s. Multiplied
   /// by smoothing_time, it is approximately a weight of accelerations, per rad/s^2.

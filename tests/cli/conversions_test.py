@@ -165,7 +165,7 @@ class Conversions(FormatsTest):
         self.assertEqual(self.files(), ["evil.pkl"])
 
     def test_other_files_are_named(self):
-        self.assert_fails(self.convert(sample("walk"), "x.csv"), 3, "BVH", "retarget --bvh")
+        self.assert_fails(self.convert(sample("walk"), "x.csv"), 3, "BVH", "retarget it to a robot")
         np.savez(self.folder / "a.npz", poses=np.zeros((3, 156)))
         self.assert_fails(self.convert("a.npz", "x.csv"), 3, "no array \"joint_pos\"")
         self.write("empty.csv", "")

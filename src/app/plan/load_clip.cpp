@@ -120,7 +120,7 @@ Result<void> check_no_folder(const std::string& path) {
   std::error_code ignored;
   if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
   return input_failure(path, "expected a motion file, found a directory",
-                       "retarget batch takes a folder of clips");
+                       "retarget batch " + path + " takes a folder of clips");
 }
 
 Result<Clip> load_clip(const std::string& file, const SourceOptions& options,

@@ -34,7 +34,7 @@ double distance_from_line(const Vector3d& point, const Vector3d& from, const Vec
 // @param top  the upper end of the trunk
 bool is_sitting(const HumanPose& pose, Bone top, double scale, double floor) {
   const auto place = [&](Bone bone) -> const Vector3d& { return pose[bone].translation; };
-  const Vector3d hips = place(Bone::kHips);
+  const Vector3d& hips = place(Bone::kHips);
   const double height = hips.z() - floor;
   if (height < kLowestSeat * scale || height > 0.8 * kUsualSourceLeg * scale) return false;
   for (const Side side : kSides) {

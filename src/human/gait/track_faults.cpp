@@ -207,6 +207,7 @@ Bone base_of(const HumanClipInfo& human, const LimbBones& limb) {
 }  // namespace
 
 StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration) {
+  constexpr double kShortestPose = 0.5;  // Seconds.
   StillLimbs still;
   if (clip.frame_count() == 0) return still;
   HumanPoser poser(clip, calibration);
@@ -229,7 +230,8 @@ StillLimbs find_still_limbs(const Clip& clip, const Calibration& calibration) {
     }
   }
   const auto may_be_still = [&](const auto& limb) { return !limb || is_still(limb); };
-  still.all = clip.frame_count() > 1 && std::ranges::all_of(limbs, may_be_still);
+  const bool is_long = clip.frame_count() * clip.rate().frame_time() > kShortestPose;
+  still.all = is_long && std::ranges::all_of(limbs, may_be_still);
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const bool leg = i < 2;
     if (!is_still(limbs[i]) || !moves(limbs[i ^ 1])) continue;
