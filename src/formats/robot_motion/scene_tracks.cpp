@@ -11,6 +11,7 @@
 #include "retarget/pose.h"
 #include "retarget/so3.h"
 #include "retarget/spline.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

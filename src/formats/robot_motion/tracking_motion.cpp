@@ -16,6 +16,7 @@
 #include "retarget/options.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
+#include "retarget/root_pose.h"
 #include "retarget/so3.h"
 #include "retarget/spline.h"
 
