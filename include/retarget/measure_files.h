@@ -84,7 +84,7 @@ struct MeasuredMotion {
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                                   Observer& observer);
 
-/// A motion and what is known of the run that made it: of a file, from its sidecar (recorded_run).
+/// A motion and the run that made it; for a file, its sidecar records the run (recorded_run).
 struct RecordedMotion {
   std::string file;  ///< Name in messages.
   std::optional<RecordedRun> recorded;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/math/segment.h"
 #include "retarget/trigonometry.h"
 #include "scene/body_mass.h"
 
@@ -18,14 +19,6 @@ constexpr int kLeafSize = 4;
 constexpr double kFourPi = 12.566370614359172954;
 // Triangles farther away than this many radii count as a dipole.
 constexpr double kFar = 2.5;
-
-// The nearest point of a segment; a segment without length is a point.
-Vector3d nearest_on_segment(const Vector3d& point, const Vector3d& a, const Vector3d& b) {
-  const Vector3d along = b - a;
-  const double square = along.squaredNorm();
-  if (!(square > 0.0)) return a;
-  return a + std::clamp((point - a).dot(along) / square, 0.0, 1.0) * along;
-}
 
 // Solid angle of a triangle (van Oosterom and Strackee 1983), steradians.
 double solid_angle(const Vector3d& point, const Vector3d& a, const Vector3d& b, const Vector3d& c) {

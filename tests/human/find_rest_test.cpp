@@ -116,19 +116,15 @@ TEST(RestEvidence, FeetStandOnTheFloor) {
 // The positions of the joints in a T-pose, in position channels, below OFFSETs of another pose.
 TEST(RestEvidence, UsesConstantPositionsInsteadOfOffsets) {
   const Clip clip = with_zero_shape(window_of("wave", 0, 120), {});
-  std::vector<Joint> joints = clip.skeleton().joints();
+  const Clip placed = with_position_channels(clip);
+  std::vector<Joint> joints = placed.skeleton().joints();
   for (Joint& joint : joints) {
-    if (joint.parent < 0) continue;
-    joint.offset.setZero();
-    joint.channels.insert(joint.channels.begin(),
-                          {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition});
+    if (joint.parent >= 0) joint.offset.setZero();
   }
-  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
-    for (int joint = 0; joint < twin.skeleton().joint_count(); ++joint) {
-      twin.translations(frame)[joint] = clip.translation(frame, joint);
-    }
+  Clip twin(std::make_shared<const Skeleton>(joints), placed.rate(), placed.frame_count());
+  for (int frame = 0; frame < placed.frame_count(); ++frame) {
+    std::ranges::copy(placed.rotations(frame), twin.rotations(frame).begin());
+    std::ranges::copy(placed.translations(frame), twin.translations(frame).begin());
   }
   const Calibration found = rest_found(twin);
   EXPECT_EQ(found.rest_pose, "zero pose");

@@ -140,26 +140,6 @@ TEST(HelperJoints, RotateTheirBoneByShape) {
   expect_same_human(with_t_pose_as_zero(recorded_clip("walk")), Way::kShape);
 }
 
-// All joints with position channels. Those of the helpers are zero up to `noise`, in file units.
-Clip with_position_channels(const Clip& clip, double noise) {
-  std::vector<Joint> joints = clip.skeleton().joints();
-  for (Joint& joint : joints) {
-    if (joint.has_position_channels()) continue;
-    joint.channels.insert(joint.channels.begin(),
-                          {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition});
-  }
-  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
-    for (int joint = 0; joint < twin.skeleton().joint_count(); ++joint) {
-      const double moved = joint == 0 ? 0.0 : noise * (frame % 3 - 1);
-      twin.translations(frame)[joint] =
-          clip.translation(frame, joint) + Eigen::Vector3d(moved, -moved, moved);
-    }
-  }
-  return twin;
-}
-
 TEST(HelperJoints, MayHavePositionChannels) {
   const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   const HumanClip expected = human_in(clip, Way::kNames).value();

@@ -70,6 +70,27 @@ inline Clip scaled_and_turned(const Clip& clip, double scale, const Eigen::Quate
   return twin;
 }
 
+/// The clip with position channels of all joints.
+/// @param noise  size of changes of the translations of all joints but the root, file units.
+inline Clip with_position_channels(const Clip& clip, double noise = 0.0) {
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    if (joint.has_position_channels()) continue;
+    joint.channels.insert(joint.channels.begin(),
+                          {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition});
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
+    for (int joint = 0; joint < twin.skeleton().joint_count(); ++joint) {
+      const double moved = joint == 0 ? 0.0 : noise * (frame % 3 - 1);
+      twin.translations(frame)[joint] =
+          clip.translation(frame, joint) + Eigen::Vector3d(moved, -moved, moved);
+    }
+  }
+  return twin;
+}
+
 /// Every n-th frame, at a rate divided by n.
 inline Clip every_nth(const Clip& clip, int n) {
   const int count = (clip.frame_count() + n - 1) / n;

@@ -243,7 +243,8 @@ FileType file_type(std::string_view bytes) {
   if (is_fbx_text(bytes)) return {FileKind::kFbx, "a text FBX file", kFbxHint};
   if (bytes.starts_with("glTF")) return {FileKind::kGltf, "a binary glTF file (GLB)", kFbxHint};
   if (is_gltf_text(bytes)) return {FileKind::kGltf, "a glTF file", kFbxHint};
-  if (const FileType xml = xml_type(bytes); xml.kind == FileKind::kMvnx) return xml;
+  const FileType xml = xml_type(bytes);
+  if (xml.kind == FileKind::kMvnx) return xml;
   if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
     return {FileKind::kBvh, "a BVH file", {}};
   }
@@ -254,7 +255,7 @@ FileType file_type(std::string_view bytes) {
     return {FileKind::kForeign, "a C3D file, which contains markers but no skeleton", kMarkersHint};
   }
   if (is_mp4(bytes)) return {FileKind::kForeign, "a video (MP4 or MOV)", kVideoHint};
-  for (const FileType type : {xml_type(bytes), json_type(bytes)}) {
+  for (const FileType type : {xml, json_type(bytes)}) {
     if (!type.what.empty()) return type;
   }
   if (is_obj(bytes)) {

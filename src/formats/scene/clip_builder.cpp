@@ -163,7 +163,7 @@ Clip ClipBuilder::build() const {
       joint.offset = frame_count_ > 0 ? translations_[j] : rest_offset(j);
     }
     if (from.parent < 0 || is_translated(j, tolerance)) {
-      // The first frame is no zero pose for a joint that moves away from its place.
+      // A joint that translates may be away from its rest position in the first frame.
       if (from.parent >= 0) joint.offset = zero_offset(j, scale);
       joint.channels.insert(joint.channels.begin(), {kXPosition, kYPosition, kZPosition});
     }

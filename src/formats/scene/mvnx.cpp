@@ -79,15 +79,14 @@ class MvnxReader {
 
   // The subject that is requested by its label or its number from 1; without a request the first.
   Result<const XMLElement*> choose_subject(const XMLElement* root) {
-    std::vector<const XMLElement*> subjects;
-    std::vector<std::string> labels, names;  // Names: labels, or numbers from 1 without them.
-    for (const XMLElement* each = root == nullptr ? nullptr : root->FirstChildElement("subject");
-         each != nullptr; each = each->NextSiblingElement("subject")) {
-      subjects.push_back(each);
-      labels.push_back(printable(attribute_of(each, "label")));
-      names.push_back(labels.back().empty() ? std::to_string(subjects.size()) : labels.back());
-    }
+    if (root == nullptr) return fault("it has no subject");
+    const std::vector<const XMLElement*> subjects = children_of(*root, "subject");
     if (subjects.empty()) return fault("it has no subject");
+    std::vector<std::string> labels, names;  // Names: labels, or numbers from 1 without them.
+    for (const XMLElement* each : subjects) {
+      labels.push_back(printable(attribute_of(each, "label")));
+      names.push_back(labels.back().empty() ? std::to_string(labels.size()) : labels.back());
+    }
     if (!options_.take.empty() && options_.take != "1") {
       return usage_failure("expected no take (" OPTION("take") "): \"" + file_name_ +
                                "\" is an MVNX file, which contains one",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/math/segment.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/standing_heights.h"
 #include "retarget/statistics.h"
@@ -21,14 +22,6 @@ constexpr double kBehindFeet = 0.2;    // Of the hips and the trunk of a sitting
 constexpr double kSeatDepth = 0.13;    // From the joint of the hips to the skin.
 constexpr double kLowestSeat = 0.2;    // Lower hips rest on the floor.
 
-// Horizontal distance of a point from the line between two others.
-double distance_from_line(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
-  const Vector2d along = (to - from).head<2>(), way = (point - from).head<2>();
-  const double squared = along.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp(way.dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (way - share * along).norm();
-}
-
 // Whether the body sits in a pose: its thighs are level, and hips and trunk are behind the feet.
 // In a squat or a wide stance, the trunk is above the line between the feet.
 // @param top  the upper end of the trunk
@@ -42,12 +35,12 @@ bool is_sitting(const HumanPose& pose, Bone top, double scale, double floor) {
         place(side_bone(side, LimbBone::kLeg)) - place(side_bone(side, LimbBone::kUpLeg));
     if (!(std::abs(thigh.z()) <= kLevelThigh * thigh.norm())) return false;
   }
-  const Vector3d middle = 0.5 * (hips + place(top));
-  const auto is_behind = [&](const Vector3d& point) {
-    return distance_from_line(point, place(Bone::kLeftFoot), place(Bone::kRightFoot)) >=
-           kBehindFeet * scale;
+  const Vector2d left = place(Bone::kLeftFoot).head<2>(), right = place(Bone::kRightFoot).head<2>();
+  const auto is_behind = [&](const Vector2d& point) {
+    return (point - nearest_on_segment(point, left, right)).norm() >= kBehindFeet * scale;
   };
-  return is_behind(hips) && is_behind(middle);
+  const Vector3d middle = 0.5 * (hips + place(top));
+  return is_behind(hips.head<2>()) && is_behind(middle.head<2>());
 }
 
 }  // namespace

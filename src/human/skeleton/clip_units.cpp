@@ -423,9 +423,10 @@ std::optional<Warning> doubt_root_path(const Clip& clip, const BoneMap& map, con
   const double least = std::min(kMuchSlower * speed, kSlower * steps.slowest_foot(along_up));
   double best = least, factor = 1.0;
   for (double scale = kLeast; scale < kGreatest; scale *= kFactor) {
-    const Eigen::Matrix3d scaled = along_up + scale * across_up;
-    if (factor_between(scale, 1.0) < kNearlyOne || steps.slowest_foot(scaled) >= best) continue;
-    best = steps.slowest_foot(scaled);
+    if (factor_between(scale, 1.0) < kNearlyOne) continue;
+    const double scaled = steps.slowest_foot(Eigen::Matrix3d(along_up + scale * across_up));
+    if (scaled >= best) continue;
+    best = scaled;
     factor = scale;
   }
   const std::vector<Eigen::Matrix3d> wrong = wrong_paths(up);

@@ -6,6 +6,7 @@
 
 #include "base/math/convex_hull.h"
 #include "base/math/gravity.h"
+#include "base/math/segment.h"
 #include "retarget/so3.h"
 
 namespace retarget {
@@ -24,12 +25,9 @@ Vector2d nearest_in_support(const Vector2d& point, std::vector<Vector2d> support
   Vector2d best = point;
   for (std::size_t i = 0; i < support.size(); ++i) {
     const Vector2d& from = support[i];
-    const Vector2d edge = support[(i + 1) % support.size()] - from;
-    const double length = edge.squaredNorm();
-    const double along =
-        length > 0.0 ? std::clamp((point - from).dot(edge) / length, 0.0, 1.0) : 0.0;
-    const Vector2d at = from + along * edge;
-    inside = inside && cross_2d(edge, point - from) >= 0.0;
+    const Vector2d& to = support[(i + 1) % support.size()];
+    const Vector2d at = nearest_on_segment(point, from, to);
+    inside = inside && cross_2d(to - from, point - from) >= 0.0;
     if ((at - point).squaredNorm() >= nearest) continue;
     nearest = (at - point).squaredNorm();
     best = at;

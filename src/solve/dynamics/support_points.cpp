@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/math/convex_hull.h"
+#include "base/math/segment.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/shape_distance.h"
 #include "retarget/trigonometry.h"
@@ -71,12 +72,9 @@ double margin_in_hull(const Eigen::Vector2d& point, std::vector<Eigen::Vector2d>
   bool inside = points.size() > 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector2d& from = points[i];
-    const Eigen::Vector2d edge = points[(i + 1) % points.size()] - from;
-    const double length = edge.squaredNorm();
-    const double along =
-        length > 0.0 ? std::clamp((point - from).dot(edge) / length, 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (from + along * edge - point).norm());
-    inside = inside && cross_2d(edge, point - from) >= 0.0;
+    const Eigen::Vector2d& to = points[(i + 1) % points.size()];
+    nearest = std::min(nearest, (nearest_on_segment(point, from, to) - point).norm());
+    inside = inside && cross_2d(to - from, point - from) >= 0.0;
   }
   return inside ? nearest : -nearest;
 }

@@ -17,7 +17,7 @@ constexpr double kLimitShare = 0.9;
 constexpr double kWithoutReference = 0.4;
 // Divisor of the upper bound of the root position's term (over-relaxation). With the bound itself,
 // ten steps move the root by only a part of a slow displacement, such as a crouch. With any divisor
-// below 2, every step still lowers the cost.
+// below 2, every step still lowers the quadratic model of the cost.
 constexpr double kRootRelaxation = 1.7;
 // Seconds before and after a contact of an arm in which it counts as in contact. A hand that
 // approaches the floor with changing acceleration moves the whole body.
