@@ -84,6 +84,12 @@ struct MeasuredMotion {
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                                   Observer& observer);
 
+/// Whether options select a part of the source.
+[[nodiscard]] bool has_part(const PartOptions& part);
+
+/// Options that select the whole source, with the same lead-in.
+[[nodiscard]] PartOptions without_part(const PartOptions& part);
+
 /// A motion and the run that made it; for a file, its sidecar records the run (recorded_run).
 struct RecordedMotion {
   std::string file;  ///< Name in messages.

@@ -167,9 +167,7 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
   if (is_given("start") || is_given("frames")) {
     record.part_start.reset();
     // Another part of the source than that of the run.
-    const LeadIn lead_in = options.part.lead_in;
-    options.part = {};
-    options.part.lead_in = lead_in;
+    options.part = without_part(options.part);
   } else if (is_given("end") && source != nullptr && is_recorded_source(record, **source)) {
     // The part begins where the run's does.
     if (options.part.start_s < 0.0 && options.part.frames.empty()) {

@@ -50,10 +50,8 @@ RecordedMotion record_against(const MotionHandle& motion, const ClipHandle& clip
   if (!clip.is_edited() || !is_of_sidecar || !record.recorded) return record;
   PartOptions& part = record.recorded->run.options.part;
   bool& mirror = record.recorded->mirror;
-  if (part.start_s < 0.0 && part.end_s < 0.0 && part.frames.empty() && !mirror) return record;
-  const LeadIn lead_in = part.lead_in;
-  part = {};
-  part.lead_in = lead_in;
+  if (!has_part(part) && !mirror) return record;
+  part = without_part(part);
   mirror = false;
   observer.warn({{0, 0,
                   "the sidecar records a part or the mirroring of its source, which is not applied "

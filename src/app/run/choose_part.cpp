@@ -36,10 +36,6 @@ std::string shown_text(RecordedRun recorded) {
   return list_names(given, given.size());
 }
 
-bool has_part(const PartOptions& part) {
-  return part.start_s >= 0.0 || part.end_s >= 0.0 || !part.frames.empty();
-}
-
 // Whether the recorded run read the same file, as far as this is known.
 bool is_same_source(const RecordedRun& recorded, const std::string& source) {
   if (recorded.source_hash.empty() || !is_file(source)) return true;
@@ -89,6 +85,16 @@ void name_other_limits(const std::string& motion, const RecordedRun& recorded, c
 }
 
 }  // namespace
+
+bool has_part(const PartOptions& part) {
+  return part.start_s >= 0.0 || part.end_s >= 0.0 || !part.frames.empty();
+}
+
+PartOptions without_part(const PartOptions& part) {
+  PartOptions whole;
+  whole.lead_in = part.lead_in;
+  return whole;
+}
 
 RecordedMotions recorded_motions(const std::vector<std::string>& files) {
   RecordedMotions motions;
