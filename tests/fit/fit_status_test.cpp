@@ -75,6 +75,20 @@ TEST_F(FitStatusTest, ContinuesWindowsThatHaveNotConverged) {
   EXPECT_LE(report.status.steps, 2 + options.extra_iterations);
 }
 
+// A squat moves hips and waist while the feet stand. Damping in proportion to the curvature of the
+// contacts nearly stops this movement: the cost stays three times as high.
+TEST_F(FitStatusTest, ReachesTheCostOfManyStepsInASquat) {
+  const auto file = load_bvh(RETARGET_SOURCE_DIR "/data/squat.bvh");
+  const auto cost_of = [&](const FitOptions& options) {
+    const auto result = fit(file->clip, lafan1_calibration(file->clip.skeleton()), robot_, config_,
+                            robot_->model_limits(), options);
+    return result->report.status.cost_after;
+  };
+  FitOptions many;
+  many.iterations = 60;
+  EXPECT_LT(cost_of({}), 1.05 * cost_of(many));
+}
+
 TEST_F(FitStatusTest, WithoutAStepNothingConverges) {
   FitOptions options;
   options.iterations = 0;

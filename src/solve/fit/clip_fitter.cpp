@@ -13,6 +13,7 @@
 #include "solve/fit/contact_places.h"
 #include "solve/fit/crossing_terms.h"
 #include "solve/fit/fit_dynamics.h"
+#include "solve/fit/frame_damping.h"
 #include "solve/fit/held_limits.h"
 #include "solve/fit/joint_speeds.h"
 #include "solve/fit/shorthand.h"
@@ -25,13 +26,6 @@ using Eigen::Vector3d;
 
 constexpr int kBase = KinematicTree::kBaseDofs;
 
-// Constant damping on the diagonal: joints and root rotation; root position.
-constexpr double kDamping = 1.0, kPositionDamping = 100.0;
-// Adaptive damping per frame, relative to the diagonal. It grows if a step raised the frame's cost.
-// With a faster decay, frames oscillate between two states.
-constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7, kMaxDamping = 2.0,
-                 kMinDamping = 1e-3;
-constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 // Largest change of a variable per step: joints and root rotation (rad), root position (m).
 constexpr double kMaxTurn = 0.15, kMaxMove = 0.2;
 constexpr int kPairsEvery = 4;         // Steps between two updates of the near pairs.
@@ -39,6 +33,9 @@ constexpr double kPairsWithin = 0.04;  // Metres.
 // Initial share of the anchor weight. An anchor is the mean position of the foot end that it holds,
 // so at full weight neither would move.
 constexpr double kFirstHold = 0.12;
+// Predicted decrease, as a share of the cost, above which a window takes extra steps before its
+// dynamics. They plan from the current poses, and from poses far from the result they plan wrongly.
+constexpr double kSettled = 0.03;
 // Penetration, including the self-collision margin, that makes a motion unusable on a robot;
 // metres.
 constexpr double kDeepOverlap = 0.015;
@@ -59,7 +56,7 @@ class WindowFitter final : public MovingFit {
   struct Before {
     std::vector<double> qpos;
     std::vector<Eigen::Vector2d> anchors;  // Of the phases that the window owns.
-    std::vector<double> damping, cost;
+    FrameDamping::State damping;
     std::vector<BoundSide> held;
     std::vector<Eigen::Vector2d> anchor_pushes;
     std::vector<NearList> pairs;
@@ -69,6 +66,7 @@ class WindowFitter final : public MovingFit {
   [[nodiscard]] Before state() const;
   void restore(const Before& before);
   bool steps(int begin, int end, const std::function<bool()>& keep_going);
+  bool settle(int first_step, const std::function<bool()>& keep_going);
   bool finish(const std::function<bool()>& keep_going);
   void add_dynamics(int first_step, const std::function<bool()>& keep_going);
   void iterate(bool move_anchors, bool look_for_pairs);
@@ -76,7 +74,6 @@ class WindowFitter final : public MovingFit {
   double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
   [[nodiscard]] bool is_finite(int local, double cost);
   [[nodiscard]] bool has_finite_solution() const;
-  void adapt_damping(int local, double cost);
   void add_steps(int frame, double* h, double* g);
   void move_base(std::span<const double> x, std::span<double> qpos);
   void apply(int frame);
@@ -107,7 +104,7 @@ class WindowFitter final : public MovingFit {
   // Largest change of a distance for which the pairs stay: half of that after which a shape that
   // was not near may overlap. The other half is for the steps until the next update.
   double pairs_stay_;
-  std::vector<double> damping_, cost_;  // One per frame.
+  FrameDamping damping_;
   HeldLimits held_;
   std::vector<int> ages_;  // One per frame: number of steps so far; only for a sliding window.
   std::vector<StepTerm> steps_before_, steps_after_;  // Step terms before and after the current
@@ -115,6 +112,7 @@ class WindowFitter final : public MovingFit {
   std::vector<double> applied_;                       // Change applied to the current frame, by
                                                       // dof.
   double anchor_hold_ = 1.0;
+  int settling_steps_ = 0;
   double worst_overlap_ = 0.0;  // Largest sum of squared penetrations of a frame in the last step,
                                 // including the margin; square metres.
   ContactPlaces places_;
@@ -138,8 +136,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       pairs_(at(window.end - window.begin)),
       pairs_stay_(
           std::max(0.0, 0.5 * (kPairsWithin - options.self_collision_margin - kOverlapBand))),
-      damping_(pairs_.size(), 0.0),
-      cost_(pairs_.size(), 1e300),
+      damping_(model, pairs_.size()),
       held_(model, pairs_.size()),
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
@@ -156,11 +153,11 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
   const int first_with_dynamics =
       dynamics_ ? std::max(0, options_.iterations - options_.dynamics_iterations)
                 : options_.iterations;
-  bool running = steps(0, first_with_dynamics, keep_going);
+  const bool running = steps(0, first_with_dynamics, keep_going);
   if (!dynamics_) {
     finish(keep_going);
-  } else if (running) {
-    add_dynamics(first_with_dynamics, keep_going);
+  } else if (running && settle(first_with_dynamics, keep_going)) {
+    add_dynamics(first_with_dynamics + settling_steps_, keep_going);
   }
   status_.converged = !status_.failed && status_.predicted_decrease <= kFitTolerance;
   return status_;
@@ -173,7 +170,8 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   // Share of frames with distrusted contacts above which unknown supports must carry the body.
   constexpr double kMostlyDistrusted = 0.75;
   const auto take_last_steps = [&] {
-    return steps(first_step, options_.iterations, keep_going) && finish(keep_going);
+    return steps(first_step, options_.iterations + settling_steps_, keep_going) &&
+           finish(keep_going);
   };
   const double unexplained = dynamics_->begin(clip_);
   bool failed = !std::isfinite(unexplained), running = !failed;
@@ -222,13 +220,22 @@ bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_g
   return true;
 }
 
+// Runs extra steps, from `first_step` on, until the window has nearly converged.
+bool WindowFitter::settle(int first_step, const std::function<bool()>& keep_going) {
+  while (settling_steps_ < options_.extra_iterations && status_.predicted_decrease > kSettled) {
+    const int step = first_step + settling_steps_++;
+    if (!steps(step, step + 1, keep_going)) return false;
+  }
+  return true;
+}
+
 // Runs extra steps while the predicted decrease is large, for example for overlapping bodies or a
 // body that rises from the floor. With dynamics, the goals change in every step; only windows with
 // deep overlaps continue.
 bool WindowFitter::finish(const std::function<bool()>& keep_going) {
   if (with_dynamics_ && worst_overlap_ <= square(kDeepOverlap)) return true;
-  const int most = options_.iterations + options_.extra_iterations;
-  for (int i = options_.iterations; i < most; ++i) {
+  const int first = options_.iterations + settling_steps_;
+  for (int i = first; i < first + options_.extra_iterations; ++i) {
     if (status_.steps == 0 || status_.predicted_decrease <= kFitTolerance) break;
     if (!steps(i, i + 1, keep_going)) return false;
   }
@@ -239,7 +246,7 @@ WindowFitter::Before WindowFitter::state() const {
   const auto size = at(model_.configuration_size);
   const auto begin = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size);
   const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
-  Before before{{begin, end},     {},     damping_, cost_, held_.sides(),
+  Before before{{begin, end},     {},     damping_.state(), held_.sides(),
                 places_.pushes(), pairs_, status_};
   // A concurrent window may be writing the other anchors.
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
@@ -256,8 +263,7 @@ void WindowFitter::restore(const Before& before) {
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
     if (owns(i)) clip_.anchors[i] = *anchor++;
   }
-  damping_ = before.damping;
-  cost_ = before.cost;
+  damping_.set_state(before.damping);
   held_.set_sides(before.held);
   places_.set_pushes(before.anchor_pushes);
   pairs_ = before.pairs;
@@ -304,7 +310,7 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
     }
     if (positive && std::isfinite(decrease)) continue;
     ++status_.failed_blocks;
-    damping_[at(t)] = kMaxDamping;
+    damping_.maximise(at(t));
     return std::nullopt;
   }
   return cost > 0.0 ? decrease / cost : 0.0;
@@ -343,12 +349,12 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   // With dynamics, frames may leave their targets so that contacts can supply the forces. That
   // does not show that the step was too long either.
   if (with_dynamics_) cost -= costs[kTermPosition] + costs[kTermRotation];
-  adapt_damping(t, cost);
+  damping_.adapt(at(t), cost);
   for (int i = 0; i < dofs_; ++i) {
     double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
-    diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
+    diagonal += damping_.of(at(t), at(i), diagonal);
   }
-  // Added after adapt_damping(), because the goals of the dynamics rows change in every step.
+  // Added after the damping, because the goals of the dynamics rows change in every step.
   double dynamics_cost = 0.0;
   if (with_dynamics_) dynamics_cost = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
   add_steps(frame, h, g);
@@ -380,16 +386,6 @@ bool WindowFitter::has_finite_solution() const {
     if (!std::ranges::all_of(x, [](double value) { return std::isfinite(value); })) return false;
   }
   return true;
-}
-
-void WindowFitter::adapt_damping(int t, double cost) {
-  double& damping = damping_[at(t)];
-  if (cost > kCostRise * cost_[at(t)] + kCostNoise) {
-    damping = std::min(kMaxDamping, std::max(damping, kDampingStart) * kDampingGrowth);
-  } else {
-    damping = damping < kMinDamping ? 0.0 : damping * kDampingDecay;
-  }
-  cost_[at(t)] = cost;
 }
 
 // Adds the terms of the step to this frame and of the step from it.
@@ -447,19 +443,15 @@ void WindowFitter::apply(int frame) {
 }
 
 void WindowFitter::move(int begin, int forgotten) {
-  const auto gone = std::min(at(begin + forgotten - window_.begin), damping_.size());
-  const std::size_t kept = damping_.size() - gone, size = at(clip_.frame_count - begin);
+  const auto gone = std::min(at(begin + forgotten - window_.begin), pairs_.size());
+  const std::size_t kept = pairs_.size() - gone, size = at(clip_.frame_count - begin);
   window_.begin = begin;
   window_.end = clip_.frame_count;
   before_ = begin > 0;
-  const auto take = [&](auto& values, const auto& value) {
-    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(gone));
-    values.resize(size, value);
-  };
-  take(damping_, 0.0);
-  take(cost_, 1e300);
+  damping_.move(gone, size);
   held_.move(gone, size);
-  take(ages_, 0);
+  ages_.erase(ages_.begin(), ages_.begin() + static_cast<std::ptrdiff_t>(gone));
+  ages_.resize(size, 0);
   // Rotating instead of erasing keeps the lists' memory.
   std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
   pairs_.resize(size);
