@@ -112,7 +112,8 @@ TEST(PickleTest, NothingIsExecuted) {
 // Written by Python 2 with protocol 2: {'pose': numpy.array([[1.0, 0.5]]), 'name': 'walk'}.
 TEST(PickleTest, ReadsStringsOfPython2) {
   const std::string bytes =
-      "\x80\x02}q\x01(U\x04poseq\x02cnumpy.core.multiarray\n_reconstruct\nq\x03"
+      "\x80\x02}q\x01(U\x04poseq\x02"
+      "cnumpy.core.multiarray\n_reconstruct\nq\x03"
       "cnumpy\nndarray\nq\x04K\0\x85U\x01"
       "b\x87Rq\x05(K\x01K\x01K\x02\x86"
       "cnumpy\ndtype\nq\x06U\x02"

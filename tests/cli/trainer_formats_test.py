@@ -308,7 +308,7 @@ class Solved(FormatsTest):
         self.converted("out.mjlab.npz", "a.npz", "--format", "npz-beyondmimic", "--contacts",
                        "a.csv")
         self.assertTrue(np.array_equal(self.contacts("a.csv")[:, 2:], flags))
-        self.assertTrue(np.array_equal(np.load(self.folder / "a.npz")["contacts"], flags[:-1]))
+        self.assertTrue(np.array_equal(np.load(self.folder / "a.npz")["contacts"], flags))
         # At another rate, each sample takes the values of the nearest frame.
         self.converted("out.mjlab.npz", "b.csv", "--fps", "25", "--contacts", "c.csv")
         self.assertTrue(np.array_equal(self.contacts("c.csv")[:, 2:], flags[::2]))
@@ -367,10 +367,11 @@ class Solved(FormatsTest):
                 reports = [json.loads((self.folder / file).read_text())["motions"][0]
                            for file in ("run.json", "again.json")]
                 if name.startswith("npz"):
-                    self.assertIn(f"wrote      file ({reports[0]['frames']} frames at 50 fps)",
+                    self.assertIn(f"wrote    file ({reports[0]['frames']} frames at 50 fps)",
                                   result.stderr)
-                for key in set(reports[1]) - {"gates", "passed"}:
-                    self.assertEqual(reports[0][key], reports[1][key], key)
+                for key, value in reports[1].items():
+                    if isinstance(value, (int, float)) and key != "passed":
+                        self.assertAlmostEqual(reports[0][key], value, 9, key)
         frames = np.load(self.folder / "out.mjlab.npz")["joint_pos"].shape[0]
         for output in ("a.npz", "b.npz"):
             self.converted("out.mjlab.npz", output, "--format", "npz-beyondmimic")

@@ -1,8 +1,8 @@
 // Converts robot motions between formats, and human motions to GLB.
 
-#include <filesystem>
 #include <utility>
 
+#include "app/plan/motion_target.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
