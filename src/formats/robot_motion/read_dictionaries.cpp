@@ -194,8 +194,7 @@ Result<std::string> choose_motion(const PickleDocument& document, const std::str
                                   const ReadMotionOptions& options) {
   const PickleNode& root = document.root();
   std::vector<std::string> motions;
-  // A pickle may refer to one member many times; search it once.
-  std::map<const PickleNode*, bool> is_motion;
+  std::map<const PickleNode*, bool> is_motion;  // By member, which may have many references.
   for (std::size_t i = 0; i + 1 < root.items.size(); i += 2) {
     const PickleNode &key = document.at(root.items[i]), &member = document.at(root.items[i + 1]);
     if (key.kind != PickleNode::Kind::kText) continue;
@@ -210,13 +209,12 @@ Result<std::string> choose_motion(const PickleDocument& document, const std::str
                          "frames) are supported");
   }
   const std::string chosen = options.motion.empty() ? motions.front() : options.motion;
-  if (!options.motion.empty()) {
-    if (std::find(motions.begin(), motions.end(), chosen) == motions.end()) {
-      return input_failure(
-          file, "the file has no motion \"" + chosen + "\"" + did_you_mean(chosen, motions),
-          "its motions are " + list_names(motions, 10));
-    }
-  } else if (motions.size() > 1) {
+  if (std::ranges::find(motions, chosen) == motions.end()) {
+    return input_failure(
+        file, "the file has no motion \"" + chosen + "\"" + did_you_mean(chosen, motions),
+        "its motions are " + list_names(motions, 10));
+  }
+  if (options.motion.empty() && motions.size() > 1) {
     return input_failure(file, "the file holds " + std::to_string(motions.size()) + " motions",
                          "choose one with " OPTION("motion") ": " + list_names(motions, 10));
   }
@@ -339,8 +337,7 @@ Result<RawMotion> read_protomotions(std::string_view bytes,
   RawMotion raw = std::move(motion.raw);
   if (state != nullptr && state->kind == PickleNode::Kind::kText && state->text != "common") {
     raw.warnings.push_back("its state_conversion is \"" + printable(state->text) +
-                           "\"; it is read as \"common\", with joints and bodies in the order of "
-                           "the model and quaternions x y z w");
+                           "\"; it is read as \"common\", in the order of the model");
   }
   // A layout lists joints in the model's order.
   const TrackingLayout layout = tracking_layout(*robot, MotionFormat::kProtoMotions);
