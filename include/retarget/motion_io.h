@@ -155,8 +155,24 @@ struct TrackingLayout {
 struct TrackingOptions {
   FrameRate rate{50, 1};
   std::optional<BodyPoint> velocity_of;  ///< Empty: as in the format's training framework.
-  bool until_last = false;               ///< Include a sample that coincides with the last frame.
+  /// Include a sample that coincides with the last frame; kProtoMotions and kCsvSonic always do.
+  bool until_last = false;
 };
+
+/// Options for converting a motion: a file at the motion's own rate keeps all of its frames, so
+/// that repeated conversions lose nothing.
+/// @param motion  frame rate of the motion.
+[[nodiscard]] TrackingOptions conversion_options(TrackingOptions options, const FrameRate& motion);
+
+/// Frames of the file of a motion.
+[[nodiscard]] int format_frame_count(const RobotClip& clip, MotionFormat format,
+                                     const TrackingOptions& options = {});
+
+/// The frames and numbers of a motion that its file holds: all except the last for an NPZ, rounded
+/// to float32 if the format stores these. A motion that the file has at another rate keeps its
+/// frames.
+[[nodiscard]] RobotClip stored_clip(const RobotClip& clip, MotionFormat format,
+                                    const TrackingOptions& options = {});
 
 /// Moving objects of a TrackingMotion; arrays of frames x objects x 3 or 4.
 struct TrackedObjects {

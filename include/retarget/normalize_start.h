@@ -20,12 +20,15 @@ class StartNormalizer {
  public:
   /// @param first  configuration in RobotClip's layout.
   explicit StartNormalizer(std::span<const double> first);
+  /// From the first frame of a clip; without frames, it moves nothing.
+  explicit StartNormalizer(const RobotClip& clip);
 
   void apply(std::span<double> qpos) const;
+  void apply(RobotClip& clip) const;
 
  private:
-  Eigen::Vector3d origin_;
-  Eigen::Quaterniond turn_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
 };
 
 /// Applies StartNormalizer to a whole clip.

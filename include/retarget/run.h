@@ -37,6 +37,8 @@ struct WrittenFile {
   OutputItem item;
   std::string hash;     ///< Hash of its content, `sha256:...`.
   std::string sidecar;  ///< Text of its sidecar; empty: it has none.
+  int frames = 0;       ///< Frames in the file.
+  FrameRate rate;       ///< Frame rate of the file.
 };
 
 /// Returns the files for an output name and its formats. With one format the output is the file's
@@ -245,8 +247,9 @@ struct RunRequest {
 
 /// Result of a run.
 struct RunOutcome {
-  int frames = 0;                        ///< Frames of the written motion.
-  double fps = 0.0;                      ///< Frame rate of the written motion.
+  /// Frames and rate of the first file at the motion's rate; without one, of the first file.
+  int frames = 0;
+  double fps = 0.0;
   std::string config;                    ///< File of the retargeting configuration.
   std::vector<WrittenFile> motions;      ///< Files of the motion with their hashes.
   std::vector<Error> left_out;           ///< Errors of formats that were not written.

@@ -13,6 +13,7 @@
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/normalize_start.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
@@ -56,6 +57,10 @@ struct Motion {
   SourceContacts contacts;  ///< Method::kFit only: the source's foot contacts that the fit used.
   /// Failures of all solvers; a motion with a failure misses a gate.
   std::vector<SolverFailure> solver_failures;
+  /// Transform of SaveOptions::normalize_start; empty: that of the clip's own first frame. Solutions
+  /// of one run at several rates share the transform of the first, so that their files have one
+  /// world.
+  std::optional<StartNormalizer> start;
 };
 
 /// Finds Plan::time_scale for SolveOptions::time_scale `auto` (docs/references.md): solves the

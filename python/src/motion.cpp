@@ -184,7 +184,8 @@ nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
   if (how.formats.size() != 1 || format_ending(how.formats.front()) != ".npz") {
     raise(usage_failure("format: expected npz-mjlab or npz-beyondmimic").value());
   }
-  const TrackingOptions what{{how.npz_fps, 1}, how.npz_velocity};
+  TrackingOptions what{{how.npz_fps, 1}, how.npz_velocity};
+  if (!motion.solved) what = conversion_options(what, motion.clip->rate());
   TrackingMotion made =
       without_gil([&] { return make_tracking_motion(*motion.clip, how.formats.front(), what); });
   const std::size_t frames = made.frames, joints = made.joint_names.size(),

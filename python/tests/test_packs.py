@@ -195,6 +195,20 @@ def test_the_robot_is_that_of_the_batch(data: Path, tmp_path: Path) -> None:
     packs.write_lerobot(found, tmp_path / "set", robot="agibot_x2")
 
 
+def test_a_batch_of_several_robots_is_packed_by_robot(data: Path, tmp_path: Path,
+                                                      capsys: pytest.CaptureFixture) -> None:
+    need("pyarrow")
+    out = batch_of_wave(data, tmp_path, ["unitree_g1", "unitree_h1"], method="gmr")
+    from retarget.packs.__main__ import main
+
+    assert main(["lerobot", str(out), str(tmp_path / "set"), "--robot", "g1"]) == 0
+    assert "left out 1 motion of other robots: unitree_h1" in capsys.readouterr().err
+    found = packs.clips_of(out, robot="unitree_h1")
+    assert list(found) == ["unitree_h1/wave"] and list(found.left_out) == ["unitree_g1/wave"]
+    with pytest.raises(retarget.UsageError, match="no motion of agibot_x2; its robots are unitree_"):
+        packs.clips_of(out, robot="agibot_x2")
+
+
 def test_a_robot_of_a_folder_is_that_of_the_batch(data: Path, tmp_path: Path,
                                                    g1: retarget.Robot) -> None:
     need("pyarrow")
@@ -253,9 +267,16 @@ def test_csvs_have_the_rate_of_their_batch(data: Path, tmp_path: Path) -> None:
     found = packs.clips_of(tmp_path / "out")
     made = packs.write_lerobot(found, tmp_path / "set", robot="g1")
     assert json.loads((made / "meta/info.json").read_text())["fps"] == 60
-    # `fps` replaces the recorded rate, and mixed rates are an error.
-    made = packs.write_lerobot(found, tmp_path / "set", robot="g1", fps=30, replace=True)
-    assert json.loads((made / "meta/info.json").read_text())["fps"] == 30
+    packs.write_lerobot(found, tmp_path / "set", robot="g1", fps=60, replace=True)
+    # `fps` does not replace the recorded rate, and mixed rates are an error.
+    contradiction = "60 frames per second recorded, but fps is 30; omit fps"
+    with pytest.raises(retarget.UsageError, match=contradiction):
+        packs.write_lerobot(found, tmp_path / "other", robot="g1", fps=30)
+    files = dict(found)
+    Path(f"{found['wave']}.json").write_text('{"found": {"fps": 60.0}}')
+    with pytest.raises(retarget.UsageError, match=contradiction):
+        packs.write_motion_v1(files, tmp_path / "other", robot="g1", fps=30)
+    Path(f"{found['wave']}.json").unlink()
     found["zero"] = found["wave"]
     found.csv_rates["zero"] = 50.0
     with pytest.raises(retarget.UsageError, match="50 frames per second, expected 60"):

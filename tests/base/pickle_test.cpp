@@ -109,6 +109,23 @@ TEST(PickleTest, NothingIsExecuted) {
   EXPECT_THAT(pickle_error("\x80\x02\x07."s), HasSubstr("the opcode 0x07"));
 }
 
+// Written by Python 2 with protocol 2: {'pose': numpy.array([[1.0, 0.5]]), 'name': 'walk'}.
+TEST(PickleTest, ReadsStringsOfPython2) {
+  const std::string bytes =
+      "\x80\x02}q\x01(U\x04poseq\x02"
+      "cnumpy.core.multiarray\n_reconstruct\nq\x03"
+      "cnumpy\nndarray\nq\x04K\0\x85U\x01"
+      "b\x87Rq\x05(K\x01K\x01K\x02\x86"
+      "cnumpy\ndtype\nq\x06U\x02"
+      "f8K\0K\x01\x87Rq\x07(K\x03U\x01<NNNJ\xff\xff\xff\xffJ\xff\xff\xff\xffK\0tb\x89"
+      "T\x10\0\0\0\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\xe0\x3ftbU\x04nameU\x04walku."s;
+  const auto read = read_pickle(bytes, "x.pkl");
+  ASSERT_TRUE(read.has_value()) << describe(read.error());
+  EXPECT_THAT(read->array(*read->find(read->root(), "pose")).numbers(),
+              ::testing::ElementsAre(1.0, 0.5));
+  EXPECT_EQ(read->find(read->root(), "name")->text, "walk");
+}
+
 TEST(PickleTest, EscapesControlCharactersInNames) {
   const std::string error = pickle_error("\x80\x04\x8c\x04\x1b[2J\x8c\x01x\x93."s);
   EXPECT_EQ(error.find('\x1b'), std::string::npos) << error;

@@ -300,6 +300,18 @@ class Names(ToolTest):
         self.assert_done(self.run_tool("convert", GOLDEN, "z.pickle", *G1, "--format", "pkl-gmr"))
         self.assertEqual(self.files(), ["x.NPZ", "y.csv", "y.mjlab.npz", "z.pickle"])
 
+    def test_motions_have_the_whole_name_of_their_file(self):
+        for output, name in (("walk.v2", "walk.v2"), ("walk.v2.motion-lib.pkl", "walk.v2"),
+                             ("walk.motion-lib.pkl", "walk"), ("f23.976.PKL", "f23.976")):
+            self.assert_done(self.run_tool("convert", GOLDEN, output, *G1, "--format",
+                                           "pkl-motion-lib"))
+            bytes_of_file = (self.folder / output).read_bytes()
+            # A short text after the opening of the dictionary.
+            self.assertEqual(bytes_of_file[4:4 + len(name) + 2],
+                             b"\x8c" + bytes([len(name)]) + name.encode(), output)
+        self.assert_done(self.run_tool("convert", GOLDEN, "take.3/", *G1, "--format", "csv-sonic"))
+        self.assertIn("Metadata for: take.3\n", (self.folder / "take.3/metadata.txt").read_text())
+
     @needs_posix
     def test_names_that_are_not_utf8(self):
         clip = os.fsdecode(b"bad\xff clip.bvh")

@@ -1,5 +1,6 @@
 """Motions of SMPL in files of PyTorch, pickles and single arrays: the result equals that of the NPZ file."""
 
+import gzip
 import json
 import os
 import pickle
@@ -93,7 +94,8 @@ class TorchFiles(ToolTest):
         for name, content in (
                 ("views.pt", torch_bytes(viewed)), ("packed.pt", torch_bytes(motion, True)),
                 ("nested.pt", torch_bytes({"person": motion})),
-                ("motion.pkl", pickle.dumps(motion)), ("old.p", pickle.dumps([motion], 2)),
+                ("motion.pkl", pickle.dumps(motion)),
+                ("motion.pkl.gz", gzip.compress(pickle.dumps(motion))), ("old.p", pickle.dumps([motion], 2)),
                 ("names.npz", None)):
             with self.subTest(name):
                 if content is None:
@@ -162,6 +164,9 @@ class TorchFiles(ToolTest):
             ("legacy.pt", b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.",
              "torch.save(torch.load("),
             ("two.p", pickle.dumps({0: walking(), 1: walking()}), "the file holds 2 motions: 0, 1"),
+            ("objects.pkl", pickle.dumps({**walking(), "pose_body": walking()["pose_body"].astype(
+                object)}), "expected an array of numbers, found one of Python objects"),
+            ("walk.bvh.gz", gzip.compress(b"HIERARCHY"), "does not contain a pickle"),
             ("camera.pt", torch_bytes({"smpl_params_incam": {"betas": numbers}}), "camera axes"),
             ("bomb.pt", torch_bytes({"poses": numpy.zeros((100000, 66), "f4"), **motion}, True),
              "but its storage has"),

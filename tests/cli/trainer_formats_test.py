@@ -1,6 +1,7 @@
 """Formats that trainers read, by readers of their own: each takes what the trainer's loader takes,
 by the same keys, columns and orders (docs/formats.md names the loaders)."""
 
+import json
 import os
 import pickle
 import re
@@ -83,6 +84,13 @@ class Written(FormatsTest):
         self.assertNotIn("contact_mask", motion)
         self.read_back("lib.pkl")
         self.assertIn("pkl-motion-lib", self.converted("lib.pkl", "again.csv"))
+
+    def test_names_of_one_motion(self):
+        self.write_as("pkl-motion-lib", "lib.pkl")
+        motion = self.load("lib.pkl")["lib"]
+        self.write("two.pkl", pickle.dumps({"a": motion, "b": motion}))
+        self.assert_fails(self.convert("two.pkl", "b.csv"), 3, "--motion: a, b")
+        self.converted("two.pkl", "b.csv", "--motion", "b")
 
     def test_mimickit(self):
         self.write_as("pkl-mimickit", "walk.pkl")
@@ -201,6 +209,13 @@ class Written(FormatsTest):
         self.assertEqual((self.folder / "again.motion").read_bytes(),
                          (self.folder / "walk.motion").read_bytes())
 
+    def test_another_state_of_protomotions_is_reported(self):
+        self.write_as("protomotions", "a.motion")
+        motion = torch_reader.load(self.folder / "a.motion")
+        self.write("b.motion", torch_bytes({**motion, "state_conversion": "simulator"}))
+        self.assertIn('its state_conversion is "simulator"', self.converted("b.motion", "b.csv"))
+        self.assertNotIn("state_conversion", self.converted("a.motion", "a.csv"))
+
     def test_other_robots(self):
         self.assert_done(self.retarget("--frames", "0:30", "--format",
                                        "protomotions,csv-sonic,npz-holosoma,pkl-motion-lib",
@@ -293,7 +308,7 @@ class Solved(FormatsTest):
         self.converted("out.mjlab.npz", "a.npz", "--format", "npz-beyondmimic", "--contacts",
                        "a.csv")
         self.assertTrue(np.array_equal(self.contacts("a.csv")[:, 2:], flags))
-        self.assertTrue(np.array_equal(np.load(self.folder / "a.npz")["contacts"], flags[:-1]))
+        self.assertTrue(np.array_equal(np.load(self.folder / "a.npz")["contacts"], flags))
         # At another rate, each sample takes the values of the nearest frame.
         self.converted("out.mjlab.npz", "b.csv", "--fps", "25", "--contacts", "c.csv")
         self.assertTrue(np.array_equal(self.contacts("c.csv")[:, 2:], flags[::2]))
@@ -329,6 +344,38 @@ class Solved(FormatsTest):
             return np.percentile(np.abs(np.diff(motion["joint_pos"], 3, axis=0)), 99)
 
         self.assertLess(jerk(together), 0.8 * jerk(slow))
+
+    def test_files_at_two_rates_start_in_one_world(self):
+        def apart(output, *options):
+            self.assert_done(self.retarget("--frames", "0:90", "--format", "csv,npz-mjlab", *options,
+                                           bvh=sample("walk"), output=output))
+            slow = np.array(self.rows(f"{output}.csv"))[::3, :2]
+            fast = np.load(self.folder / f"{output}.mjlab.npz")["body_pos_w"][::5, 0, :2]
+            return np.linalg.norm(slow[:len(fast)] - fast[:len(slow)], axis=1)
+
+        # Solutions at two rates differ; the transform must not add to this.
+        self.assertLess(np.abs(apart("a") - apart("b", "--normalize-start")).max(), 1e-5)
+
+    def test_counts_and_reports_are_those_of_the_files(self):
+        for name in ("npz-mjlab", "npz-holosoma", "protomotions", "pkl-motion-lib"):
+            with self.subTest(name):
+                result = self.retarget("--frames", "0:40", "--fps", "50", "--format", name,
+                                       "--report", "run.json", bvh=sample("walk"), output="file")
+                self.assert_done(result)
+                self.run_tool("evaluate", "file", "--robot", "unitree_g1", "--bvh",
+                              sample("walk"), "--frames", "0:40", "--json", "again.json")
+                reports = [json.loads((self.folder / file).read_text())["motions"][0]
+                           for file in ("run.json", "again.json")]
+                if name.startswith("npz"):
+                    self.assertIn(f"wrote    file ({reports[0]['frames']} frames at 50 fps)",
+                                  result.stderr)
+                for key, value in reports[1].items():
+                    if isinstance(value, (int, float)) and key != "passed":
+                        self.assertAlmostEqual(reports[0][key], value, 9, key)
+        frames = np.load(self.folder / "out.mjlab.npz")["joint_pos"].shape[0]
+        for output in ("a.npz", "b.npz"):
+            self.converted("out.mjlab.npz", output, "--format", "npz-beyondmimic")
+            self.assertEqual(np.load(self.folder / output)["joint_pos"].shape[0], frames)
 
     def test_sidecars_of_folders(self):
         self.assert_done(self.retarget("--frames", "0:30", "--format", "csv-sonic,csv",

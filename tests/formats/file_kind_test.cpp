@@ -55,6 +55,9 @@ TEST(FileKindTest, NamesFilesThatAreNoMotions) {
       {"\xEF\xBB\xBF"
        "Format Version,1.23,Take Name,Take 1\n",
        "Motive"},
+      {"\x1a\x45\xdf\xa3\x01", "Matroska"},
+      {"\x04\x22\x4d\x18\x64", "lz4"},
+      {std::string("]\0\0\0\x04\xff\xff", 7), "lzma"},
       {"NO_OF_FRAMES\t100\nNO_OF_CAMERAS\t8\n", "Qualisys"}};
   for (const auto& [bytes, name] : files) {
     const FileType type = file_type(bytes);

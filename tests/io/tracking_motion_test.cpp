@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "formats/containers/npz.h"
 #include "retarget/so3.h"
@@ -88,6 +89,19 @@ TEST(TrackingMotionTest, ExcludesTheEndAndRejectsShortMotions) {
   // The last of 31 frames is at 1 s: samples 0 to 0.98 s.
   EXPECT_EQ(make_tracking_motion(moving_clip(robot, 31, 30.0), MotionFormat::kNpzMjlab)->frames,
             50U);
+  // A conversion at the same rate keeps the last frame; at another rate it is the same as a run.
+  for (const auto& [fps, kept] : {std::pair(50.0, 31), std::pair(30.0, 50)}) {
+    const RobotClip clip = moving_clip(robot, 31, fps);
+    const TrackingOptions options = conversion_options({}, clip.rate());
+    EXPECT_EQ(make_tracking_motion(clip, MotionFormat::kNpzMjlab, options)->frames,
+              static_cast<std::size_t>(kept));
+    EXPECT_EQ(format_frame_count(clip, MotionFormat::kNpzMjlab, options), kept);
+  }
+  const RobotClip fast = moving_clip(robot, 31, 50.0);
+  EXPECT_EQ(stored_clip(fast, MotionFormat::kNpzMjlab).frame_count(), 30);
+  EXPECT_EQ(stored_clip(fast, MotionFormat::kCsvSonic).frame_count(), 31);
+  EXPECT_EQ(stored_clip(fast, MotionFormat::kNpzMjlab).qpos(7)[8],
+            static_cast<float>(fast.qpos(7)[8]));
   for (const int frames : {1, 2}) {
     const auto none =
         make_tracking_motion(moving_clip(robot, frames, 30.0), MotionFormat::kNpzMjlab);

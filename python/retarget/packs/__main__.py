@@ -27,7 +27,14 @@ def main(arguments: list[str] | None = None) -> int:
     if unknown:
         parser.error(f"--{min(unknown).replace('_', '-')} is not an option of this kind")
     try:
-        clips = packs.clips_of(given.pop("batch"), given.pop("ending", None))
+        if "robot" in given:
+            given["robot"] = retarget.Robot(given["robot"])
+        clips = packs.clips_of(given.pop("batch"), given.pop("ending", None), given.get("robot"))
+        if clips.left_out:
+            others = ", ".join(sorted(set(clips.left_out.values())))
+            count = len(clips.left_out)
+            print(f"left out {count} motion{'s' if count > 1 else ''} of other robots: {others}",
+                  file=sys.stderr)
         write(clips, given.pop("output"), **given)
     except retarget.Error as error:
         print(f"error: {error}", file=sys.stderr)

@@ -40,6 +40,8 @@ class BatchClips(dict[str, Path]):
         """Options of load_motion() for CSVs in degrees or centimetres, by name, as recorded."""
         self.robots: dict[str, str] = {}
         """Names of the robots, as recorded."""
+        self.left_out: dict[str, str] = {}
+        """Clips of other robots than the one given to clips_of(), and these robots, by name."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +56,15 @@ class _Entry:
     """Key of the options in options.json."""
 
 
-def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
+def clips_of(folder: StrPath, ending: str | None = None,
+             robot: _retarget.Robot | StrPath | None = None) -> BatchClips:
     """Returns the passed motions of a batch by name.
 
     Args:
         folder: output folder of `retarget batch` or retarget_dataset(), which has passed.txt.
         ending: end of the file names to take, for batches with several formats: ".mjlab.npz".
             Names lack it; without `ending`, names lack the last extension.
+        robot: takes only the motions of this robot from a batch of several.
 
     Returns:
         Files by the name of their clip, "a/walk". The writers read CSVs at the rate and in the
@@ -68,7 +72,7 @@ def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
 
     Raises:
         InputError: the folder has no passed.txt.
-        UsageError: two files are of the same clip, so `ending` is needed.
+        UsageError: two files are of the same clip, so `ending` is needed; no motion of the robot.
     """
     folder = Path(folder)
     listed = folder / "passed.txt"
@@ -100,7 +104,27 @@ def clips_of(folder: StrPath, ending: str | None = None) -> BatchClips:
                 clips.csv_rates[name] = entry.fps
             if entry.options in units:
                 clips.csv_units[name] = units[entry.options]
+    if robot is not None:
+        _leave_out_others(clips, robot)
     return clips
+
+
+def _leave_out_others(clips: BatchClips, robot: _retarget.Robot | StrPath) -> None:
+    if not isinstance(robot, _retarget.Robot):
+        robot = _retarget.Robot(robot)
+    given = _names_of(robot)
+    clips.left_out = {name: other for name, other in clips.robots.items() if other not in given}
+    for name in clips.left_out:
+        del clips[name]
+    if clips.left_out and not clips:
+        others = ", ".join(sorted(set(clips.left_out.values())))
+        raise UsageError(f"robot: the batch has no motion of {robot.name}; its robots are {others}")
+
+
+def _names_of(robot: _retarget.Robot) -> tuple[str, str]:
+    """Returns the names under which a batch may record a robot."""
+    # A robot that is given as a folder is recorded by the name in its profile.
+    return robot.name, _retarget.recorded_name(robot)
 
 
 def _same_clip(a: str, b: str) -> UsageError:
@@ -187,10 +211,19 @@ def is_name(name: str) -> bool:
     return "\\" not in name and all(part not in ("", ".", "..") for part in name.split("/"))
 
 
+def _rate_in(sidecar: Path) -> float | None:
+    """Returns the rate that the sidecar of a CSV records; None: it has none."""
+    try:
+        return float(json.loads(sidecar.read_bytes())["found"]["fps"])
+    except (KeyError, OSError, TypeError, ValueError):
+        return None
+
+
 class MotionReader:
     """Reads motions of one robot at one frame rate, `fps`, which is also that of CSVs.
 
-    Without `fps`, CSVs have the rate of their sidecar or of the manifest of their batch.
+    CSVs have the rate of their sidecar or of the manifest of their batch, which `fps` must not
+    contradict.
     """
 
     # Of a batch, by name.
@@ -231,12 +264,11 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        # A robot that is given as a folder is recorded by the name in its profile.
-        given = self.robot.name, _retarget.recorded_name(self.robot)
         recorded = self._robots.get(name, self.robot.name)
-        if recorded not in given:
+        if recorded not in _names_of(self.robot):
             raise UsageError(f"clips[{name!r}]: the batch records a motion of {recorded}, but "
-                             f"robot is {self.robot.name}")
+                             f"robot is {self.robot.name}; clips_of(..., robot=) takes only the "
+                             "motions of one robot")
         return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
                                     **self._csv_units.get(name, {}))
 
@@ -245,9 +277,14 @@ class MotionReader:
         file = os.fspath(source)
         if not file.lower().endswith(".csv"):
             return None
-        if self._csv_fps is not None or os.path.isfile(file + ".json"):
-            return self._csv_fps
-        return self._csv_rates.get(name)
+        sidecar = Path(file + ".json")
+        if self._csv_fps is None:
+            return None if sidecar.is_file() else self._csv_rates.get(name)
+        recorded = _rate_in(sidecar) or self._csv_rates.get(name, self._csv_fps)
+        if not np.isclose(recorded, self._csv_fps, rtol=1e-6):
+            raise UsageError(f"clips[{name!r}]: {recorded:g} frames per second recorded, but fps "
+                             f"is {self._csv_fps:g}; omit fps to take the recorded rate")
+        return self._csv_fps
 
     def _check(self, name: str, motion: _retarget.Motion) -> None:
         if self.joint_names is None:

@@ -73,7 +73,7 @@ def write_lerobot(clips: Clips, folder: StrPath, *,
         robot: robot of motion files, or an argument of Robot(); not needed for Motion objects.
         fps: frames per second that all motions must have, and rate of CSVs; None: the rate of the
             first motion. CSVs then have the rate of their sidecar, or that of the manifest for
-            packs.clips_of(), or 30.
+            packs.clips_of(), or 30; `fps` must not contradict it.
         task: the text of all episodes, or a function of the clip's name.
         contacts: also write contacts; every motion must have them.
         max_bytes: largest size of a data file before compression, in bytes; a larger clip has its

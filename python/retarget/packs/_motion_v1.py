@@ -44,7 +44,7 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
         robot: robot of motion files, or an argument of Robot(); not needed for Motion objects.
         fps: frames per second that all motions must have, and rate of CSVs; None: the rate of the
             first motion. CSVs then have the rate of their sidecar, or that of the manifest for
-            packs.clips_of(), or 30.
+            packs.clips_of(), or 30; `fps` must not contradict it.
         end_effectors: names of E bodies for `ee_pose_w` (F, E, 7); None: left_wrist_yaw_link and
             right_wrist_yaw_link, if the robot has them.
         robot_name: value of `robot_name`; None: the robot's name.

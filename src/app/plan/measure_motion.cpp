@@ -177,18 +177,23 @@ std::optional<SceneWorld> solved_world(const Motion& motion) {
 }
 
 // Moves a motion and its world like the motion in the file.
-void normalize_start(RobotClip& clip, std::optional<SceneWorld>& world) {
+void normalize_start(const StartNormalizer& start, RobotClip& clip,
+                     std::optional<SceneWorld>& world) {
   WriteMotionOptions moved;
   if (world) moved.scene = std::move(world->clip);
-  normalize_start(clip, moved);
+  normalize_start(start, clip, moved);
   if (world) world->clip = std::move(*moved.scene);
 }
 
-// How the coarsest CSV of a motion prints numbers; all digits without one. The nine decimals of
-// csv-sonic are not measured.
-RobotCsvOptions printed_layout(const Plan& plan) {
-  const std::vector<RobotCsvOptions> layouts = csv_layouts(plan.options.save, plan.rate);
-  return layouts.empty() ? RobotCsvOptions{.precision = 17} : layouts.front();
+// A motion as read back from its coarsest CSV or, without one, from its first file. The nine
+// decimals of csv-sonic are not measured.
+Result<RobotClip> written_clip(const RobotClip& clip, const Plan& plan) {
+  const SaveOptions& save = plan.options.save;
+  const std::vector<RobotCsvOptions> layouts = csv_layouts(save, plan.rate);
+  if (!layouts.empty()) return printed_clip(clip, layouts.front());
+  TrackingOptions tracking;
+  tracking.rate = {save.npz_fps, 1};
+  return printed_clip(stored_clip(clip, save.formats.front(), tracking), {.precision = 17});
 }
 
 }  // namespace
@@ -197,11 +202,10 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   const Plan& plan = motion.plan;
   TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));
   // Measure the values that a file would contain, with their limited precision.
-  const RobotCsvOptions layout = printed_layout(plan);
   RobotClip moved = motion.clip;
   std::optional<SceneWorld> world = solved_world(motion);
-  if (plan.options.save.normalize_start) normalize_start(moved, world);
-  TRY_ASSIGN(const RobotClip printed, printed_clip(moved, layout));
+  if (plan.options.save.normalize_start) normalize_start(start_of(motion), moved, world);
+  TRY_ASSIGN(const RobotClip printed, written_clip(moved, plan));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
   const QualitySource source{.human = &human,
                              .config = &plan.config,
@@ -213,7 +217,7 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   QualityReport report = measure_quality(printed, plan.limits, &source);
   // Tasks pull towards the human, so the motion must not be moved away from it.
   if (plan.options.save.normalize_start) {
-    TRY_ASSIGN(const RobotClip unmoved, printed_clip(motion.clip, layout));
+    TRY_ASSIGN(const RobotClip unmoved, written_clip(motion.clip, plan));
     add_limited_joints(unmoved, plan.limits, source, report);
   } else {
     add_limited_joints(printed, plan.limits, source, report);

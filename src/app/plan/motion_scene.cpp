@@ -152,7 +152,7 @@ std::optional<MotionScene> motion_scene(const Motion& motion) {
     WriteMotionOptions moved;
     moved.scene = std::move(result.robot);
     RobotClip clip = motion.clip;
-    normalize_start(clip, moved);
+    normalize_start(start_of(motion), clip, moved);
     result.robot = std::move(*moved.scene);
   }
   return result;

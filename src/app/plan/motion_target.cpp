@@ -13,7 +13,6 @@
 #include "retarget/check_options.h"
 #include "retarget/file_endings.h"
 #include "retarget/human.h"
-#include "retarget/normalize_start.h"
 #include "retarget/os.h"
 #include "retarget/plan.h"
 #include "retarget/reference.h"
@@ -71,27 +70,29 @@ HumanInWorld human_in_world(const Clip& clip, const Calibration& calibration) {
 
 namespace {
 
-void normalize(const StartNormalizer& normalizer, Pose& pose) {
+void normalize(const StartNormalizer& start, Pose& pose) {
   std::array<double, 7> place = {pose.translation.x(), pose.translation.y(), pose.translation.z(),
                                  pose.rotation.w(),    pose.rotation.x(),    pose.rotation.y(),
                                  pose.rotation.z()};
-  normalizer.apply(place);
+  start.apply(place);
   pose = {{place[3], place[4], place[5], place[6]}, {place[0], place[1], place[2]}};
 }
 
 }  // namespace
 
-void normalize_start(RobotClip& clip, WriteMotionOptions& write) {
-  if (clip.frame_count() == 0) return;
-  const StartNormalizer normalizer(clip.qpos(0));
-  if (write.human) normalize(normalizer, write.human->world_from_clip);
+StartNormalizer start_of(const Motion& motion) {
+  return motion.start ? *motion.start : StartNormalizer(motion.clip);
+}
+
+void normalize_start(const StartNormalizer& start, RobotClip& clip, WriteMotionOptions& write) {
+  if (write.human) normalize(start, write.human->world_from_clip);
   if (write.scene) {
     Scene scene = *write.scene->scene;
-    for (SceneBody& body : scene.bodies) normalize(normalizer, body.world_from_body);
+    for (SceneBody& body : scene.bodies) normalize(start, body.world_from_body);
     write.scene->scene = std::make_shared<const Scene>(std::move(scene));
-    for (Pose& pose : write.scene->world_from_body) normalize(normalizer, pose);
+    for (Pose& pose : write.scene->world_from_body) normalize(start, pose);
   }
-  normalize_start(clip);
+  start.apply(clip);
 }
 
 namespace {

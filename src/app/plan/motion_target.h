@@ -12,6 +12,7 @@
 #include "retarget/load.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/normalize_start.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
 #include "retarget/run.h"
@@ -35,9 +36,15 @@ class MotionTarget {
   std::variant<OutputFile, OutputFolder> place_;
 };
 
-/// Applies normalize_start to a motion before writing; the human shown with it and its scene move
-/// along.
-void normalize_start(RobotClip& clip, WriteMotionOptions& write);
+/// Transform of a solved motion for SaveOptions::normalize_start.
+[[nodiscard]] StartNormalizer start_of(const Motion& motion);
+
+/// Moves a motion before writing; the human shown with it and its scene move along.
+void normalize_start(const StartNormalizer& start, RobotClip& clip, WriteMotionOptions& write);
+
+/// Name of a motion, which is that of its file without the extension: `walk.v2` for
+/// walk.v2.motion-lib.pkl.
+[[nodiscard]] std::string name_of_motion(const std::string& output);
 
 /// Layouts of the single CSVs (csv, csv-soma) that options write, the coarsest first; empty: none.
 /// @param rate  frame rate of the motion.

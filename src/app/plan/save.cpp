@@ -33,18 +33,23 @@ struct SavedMotion {
   std::optional<SceneClip> scene;
   std::optional<ContactLabels> labels;
   const LimitSet* limits;  // Null: the robot's default set.
+  StartNormalizer start;
+  bool is_converted = false;
 };
 
 Result<void> save_with(SavedMotion motion, const std::string& output, const SaveOptions& options) {
   TRY_ASSIGN(const auto items, plan_outputs(output, options));
   TRY_ASSIGN(const std::string reference, reference_path(output, options));
   WriteMotionOptions write = write_options(output, options);
+  if (motion.is_converted) {
+    write.tracking = conversion_options(write.tracking, motion.clip.rate());
+  }
   write.human = std::move(motion.human);
   write.contacts = std::move(motion.contacts);
   write.scene = std::move(motion.scene);
   write.labels = std::move(motion.labels);
   RobotClip moved = motion.clip;
-  if (options.normalize_start) normalize_start(moved, write);
+  if (options.normalize_start) normalize_start(motion.start, moved, write);
   std::vector<MotionTarget> targets;
   for (const OutputItem& item : items) {
     TRY_ASSIGN(MotionTarget target, MotionTarget::create(item));
@@ -63,8 +68,9 @@ Result<void> save_with(SavedMotion motion, const std::string& output, const Save
 }  // namespace
 
 Result<void> save(const RobotClip& clip, const std::string& output, const SaveOptions& options) {
-  return save_with({clip, std::nullopt, std::nullopt, std::nullopt, std::nullopt, nullptr}, output,
-                   options);
+  return save_with({clip, std::nullopt, std::nullopt, std::nullopt, std::nullopt, nullptr,
+                    StartNormalizer(clip), true},
+                   output, options);
 }
 
 Result<void> save(const Motion& motion, const std::string& output,
@@ -72,7 +78,8 @@ Result<void> save(const Motion& motion, const std::string& output,
   SavedMotion saved{
       motion.clip,         human_in_world(*motion.source, motion.plan.human.calibration),
       contacts_of(motion), std::nullopt,
-      std::nullopt,        &motion.plan.limits};
+      std::nullopt,        &motion.plan.limits,
+      start_of(motion)};
   if (motion.scene) {
     saved.scene = motion.scene->clip;
     saved.labels = contact_labels(motion);
@@ -268,12 +275,20 @@ WriteMotionOptions write_options(const std::string& output, const SaveOptions& o
   write.tracking.rate = {options.npz_fps, 1};
   write.tracking.velocity_of = options.npz_velocity;
   write.name = options.motion_name;
-  if (write.name.empty() && output != "-") {
-    // For example, walk.pbhc.pkl contains the motion `walk`.
-    const std::string file = fs::path(output).filename().string();
-    write.name = file.substr(0, file.find('.'));
-  }
+  if (write.name.empty() && output != "-") write.name = name_of_motion(output);
   return write;
+}
+
+std::string name_of_motion(const std::string& output) {
+  std::string file = fs::path(os::without_last_separators(output)).filename().string();
+  const std::string lower = lower_case(file);
+  const std::string ending = ending_of(file);
+  std::size_t longest = output_ending(ending).empty() ? 0 : ending.size();
+  for (const Format& format : all_formats()) {
+    if (lower.ends_with(format.long_ending)) longest = std::max(longest, format.long_ending.size());
+  }
+  if (longest < file.size()) file.erase(file.size() - longest);
+  return file;
 }
 
 }  // namespace retarget

@@ -1,8 +1,8 @@
 // Converts robot motions between formats, and human motions to GLB.
 
-#include <filesystem>
 #include <utility>
 
+#include "app/plan/motion_target.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
@@ -66,12 +66,13 @@ Result<std::vector<WrittenFile>> convert_human(const ConvertRequest& request, Ob
     if (!resampled) resampled.error().location.file = request.input;
     TRY_ASSIGN(clip, std::move(resampled));
   }
-  const std::string summary =
-      count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) + " fps";
+  const int frames = clip.frame_count();
+  const FrameRate rate = clip.rate();
+  const std::string summary = count_text(frames, "frame") + " at " + to_text(rate) + " fps";
   TRY(write_human_glb(request.output, std::move(clip), {}, request.data_folder, observer));
   observer.line("wrote",
                 (request.output == "-" ? "standard output" : request.output) + ": " + summary);
-  return std::vector<WrittenFile>{{{MotionFormat::kGlb, request.output}, {}, {}}};
+  return std::vector<WrittenFile>{{{MotionFormat::kGlb, request.output}, {}, {}, frames, rate}};
 }
 
 Result<std::vector<WrittenFile>> convert_robot(const ConvertRequest& request, Observer& observer) {
@@ -119,8 +120,7 @@ Result<void> write_human_glb(const std::string& output, Clip clip, const HumanOp
   observer.lines(human.lines());
   observer.warn(human.doubts(), clip.name());
   TRY_ASSIGN(const std::string bytes,
-             format_human_glb(human_in_world(clip, human.calibration),
-                              std::filesystem::path(output).stem().string()));
+             format_human_glb(human_in_world(clip, human.calibration), name_of_motion(output)));
   return write_file(output, bytes);
 }
 

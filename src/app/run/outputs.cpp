@@ -150,12 +150,14 @@ Result<void> CsvSink::commit() {
 
 Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(
     const std::string& output, const SaveOptions& options,
-    const std::shared_ptr<const Robot>& robot, const FrameRate& rate, bool in_memory) {
+    const std::shared_ptr<const Robot>& robot, const FrameRate& rate, Purpose purpose) {
   std::unique_ptr<MotionOutputs> outputs(new MotionOutputs());
   outputs->options_ = options;
-  outputs->in_memory_ = in_memory;
+  const bool in_memory = outputs->in_memory_ = purpose == Purpose::kHash;
   TRY_ASSIGN(outputs->items_, plan_outputs(output, options));
   outputs->write_options_ = write_options(output, options);
+  TrackingOptions& tracking = outputs->write_options_.tracking;
+  if (purpose == Purpose::kConversion) tracking = conversion_options(tracking, rate);
   TRY_ASSIGN(outputs->reference_, reference_path(output, options));
   for (const OutputItem& item : outputs->items_) {
     outputs->sinks_.push_back(nullptr);
@@ -192,7 +194,10 @@ Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions,
     rates.push_back(motion.clip->rate());
     moved.push_back(*motion.clip);
     writes.push_back(with_surroundings(write_options_, motion));
-    if (options_.normalize_start) normalize_start(moved.back(), writes.back());
+    if (options_.normalize_start) {
+      // All files of a run share one world: that of the frames given to add().
+      normalize_start(StartNormalizer(*motions.front().clip), moved.back(), writes.back());
+    }
   }
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (sinks_[i]) continue;
@@ -207,7 +212,12 @@ Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions,
       continue;
     }
     TRY_ASSIGN(auto hash, hash_files(*files));
-    written_[i] = {items_[i], std::move(hash), {}};
+    const MotionFormat format = items_[i].format;
+    written_[i] = {items_[i],
+                   std::move(hash),
+                   {},
+                   format_frame_count(moved[chosen], format, write_options_.tracking),
+                   rate_of_format(format, options_, rates[chosen])};
     if (in_memory_) continue;
     TRY(others_[i]->write(*files));
   }
@@ -222,7 +232,8 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMot
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!sinks_[i]) continue;
     TRY_ASSIGN(auto hash, sinks_[i]->flush());
-    written_[i] = {items_[i], std::move(hash), {}};
+    const RobotClip& clip = *motions.front().clip;
+    written_[i] = {items_[i], std::move(hash), {}, clip.frame_count(), clip.rate()};
   }
   std::erase_if(written_, [](const WrittenFile& file) { return file.hash.empty(); });
   if (sidecar) {
@@ -246,7 +257,7 @@ Result<void> MotionOutputs::write_beside(const OutputMotion& motion) {
   if (options_.contacts.empty() && options_.scene_out.empty() && reference_.empty()) return {};
   RobotClip moved = *motion.clip;
   WriteMotionOptions write = with_surroundings(write_options_, motion);
-  if (options_.normalize_start) normalize_start(moved, write);
+  if (options_.normalize_start) normalize_start(StartNormalizer(moved), moved, write);
   TRY_ASSIGN(FilesBeside beside,
              write_files_beside(reference_, moved, write, options_, motion.limits));
   std::ranges::move(beside.files, std::back_inserter(sidecars_));
@@ -285,10 +296,21 @@ std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
   return 0;
 }
 
-std::string outputs_text(std::span<const WrittenFile> files) {
+namespace {
+
+std::string frames_text(int frames, const FrameRate& rate) {
+  return count_text(frames, "frame") + " at " + to_text(rate) + " fps";
+}
+
+}  // namespace
+
+std::string outputs_text(std::span<const WrittenFile> files, const RobotClip* motion) {
   std::vector<std::string> names;
   for (const WrittenFile& file : files) {
     names.push_back(file.item.path == "-" ? "standard output" : file.item.path);
+    if (motion == nullptr) continue;
+    if (file.frames == motion->frame_count() && same_rate(file.rate, motion->rate())) continue;
+    names.back() += " (" + frames_text(file.frames, file.rate) + ")";
   }
   return list_names(names);
 }
@@ -309,19 +331,18 @@ Result<std::vector<WrittenFile>> write_motion(const RobotClip& clip,
                                               const std::string& output, const SaveOptions& options,
                                               Observer& observer) {
   TRY_ASSIGN(const auto outputs,
-             MotionOutputs::open(output, options, clip.shared_robot(), clip.rate()));
+             MotionOutputs::open(output, options, clip.shared_robot(), clip.rate(),
+                                 MotionOutputs::Purpose::kConversion));
   for (int frame = 0; frame < clip.frame_count(); ++frame) outputs->add(clip.qpos(frame));
   const OutputMotion written{&clip, std::nullopt, contacts};
   TRY_ASSIGN(auto files, outputs->finish({&written, 1}));
   observer.lines(outputs->lines());
   warn_of_losses(clip, files, options, observer);
-  std::string text = outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") + " at " +
-                     to_text(clip.rate()) + " fps";
+  std::string text = outputs_text(files) + ": " + frames_text(clip.frame_count(), clip.rate());
   for (const WrittenFile& file : files) {
-    const FrameRate rate = rate_of_format(file.item.format, options, clip.rate());
-    if (same_rate(rate, clip.rate())) continue;
-    text += "; " + std::string(format_name(file.item.format)) + " resampled to " + to_text(rate) +
-            " fps";
+    if (same_rate(file.rate, clip.rate())) continue;
+    text += "; " + std::string(format_name(file.item.format)) + " resampled to " +
+            frames_text(file.frames, file.rate);
   }
   observer.line("wrote", text);
   return files;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -99,12 +100,14 @@ using SidecarText = std::function<Result<std::string>(const WrittenFile&)>;
 /// at all. Only an error during the final renames can leave some of them.
 class MotionOutputs {
  public:
+  /// kHash computes hashes and writes nothing; kConversion keeps all frames (conversion_options).
+  enum class Purpose : std::uint8_t { kRun, kHash, kConversion };
+
   /// Opens the outputs of a motion.
-  /// @param rate       frame rate of the motion.
-  /// @param in_memory  computes hashes only and writes nothing.
+  /// @param rate  frame rate of the motion.
   [[nodiscard]] static Result<std::unique_ptr<MotionOutputs>> open(
       const std::string& output, const SaveOptions& options,
-      const std::shared_ptr<const Robot>& robot, const FrameRate& rate, bool in_memory = false);
+      const std::shared_ptr<const Robot>& robot, const FrameRate& rate, Purpose purpose);
 
   /// Adds the next frame: CSVs are written while frames are solved.
   void add(std::span<const double> qpos);
@@ -158,7 +161,10 @@ class MotionOutputs {
 void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,
                     const SaveOptions& options, Observer& observer);
 
-/// File names such as `walk.csv`, or `standard output`, separated by commas.
-[[nodiscard]] std::string outputs_text(std::span<const WrittenFile> files);
+/// File names such as `walk.csv`, or `standard output`, separated by commas. Files whose frames are
+/// not those of the motion have their number and rate: `walk.npz (500 frames at 50 fps)`.
+/// @param motion  null: names only.
+[[nodiscard]] std::string outputs_text(std::span<const WrittenFile> files,
+                                       const RobotClip* motion = nullptr);
 
 }  // namespace retarget

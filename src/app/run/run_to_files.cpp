@@ -119,7 +119,9 @@ Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Options& options,
                solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));
     if (observer.is_stopped()) return interrupted_failure();
     solved.push_back({std::move(motion), std::nullopt});
-    if (i > 0) add_failures_of(solved.back().motion, solved.front().motion);
+    if (i == 0) continue;
+    add_failures_of(solved.back().motion, solved.front().motion);
+    solved.back().motion.start = StartNormalizer(solved.front().motion.clip);
   }
   return solved;
 }
@@ -193,17 +195,20 @@ Result<SidecarText> sidecars_of(const Run& run, const RunRequest& request,
   };
 }
 
+// The file that stands for the run in lists: the first one at the rate of its motion; without one,
+// the first.
+const WrittenFile& counted_file(const std::vector<WrittenFile>& files, const FrameRate& rate) {
+  const auto found = std::ranges::find_if(
+      files, [&](const WrittenFile& file) { return same_rate(file.rate, rate); });
+  return found == files.end() ? files.front() : *found;
+}
+
 Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
                                  std::vector<SolvedMotion>& solved, MotionOutputs& outputs,
                                  Observer& observer) {
   const Motion& motion = solved.front().motion;
-  RunOutcome outcome{motion.clip.frame_count(),
-                     motion.clip.rate().fps(),
-                     motion.plan.config.file,
-                     {},
-                     {},
-                     {},
-                     std::nullopt};
+  RunOutcome outcome;
+  outcome.config = motion.plan.config.file;
   TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
   const QualityReport* const quality = outcome.quality ? &*outcome.quality : nullptr;
   if (observer.is_read()) observer.lines(limit_lines(motion, quality));
@@ -229,6 +234,9 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
   }
   TRY_ASSIGN(outcome.motions,
              outputs.finish(motions, sidecar, request.partial ? &outcome.left_out : nullptr));
+  const WrittenFile& counted = counted_file(outcome.motions, motion.clip.rate());
+  outcome.frames = counted.frames;
+  outcome.fps = counted.rate.fps();
   for (const WrittenFile& file : outcome.motions) {
     if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
   }
@@ -309,14 +317,16 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   // An interrupt now stops the run between two frames and leaves no files behind.
   const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(plan, scale_observed(std::move(plan), request, observer));
+  const auto purpose =
+      request.hashes_only ? MotionOutputs::Purpose::kHash : MotionOutputs::Purpose::kRun;
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
-                                                     plan.rate, request.hashes_only));
+                                                     plan.rate, purpose));
   TRY_ASSIGN(auto solved, solve_all(std::move(plan), run.options, request, *outputs, observer));
   auto outcome = write_results(run, request, solved, *outputs, observer);
   if (!outcome || request.hashes_only) return outcome;
   warn_of_losses(solved.front().motion.clip, outcome->motions, run.options.save, observer);
   observer.warn(solver_warnings(solved.front().motion.solver_failures), run.motion);
-  observer.line("wrote", outputs_text(outcome->motions) + " in " +
+  observer.line("wrote", outputs_text(outcome->motions, &solved.front().motion.clip) + " in " +
                              number_text(seconds_since(start), 2) + " s");
   if (outcome->quality) observer.lines(verdict_lines(*outcome->quality));
   return outcome;

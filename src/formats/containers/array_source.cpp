@@ -116,6 +116,10 @@ Result<NpyArray> DictionaryArrays::read(std::string_view name) const {
       return text_array(std::vector<std::string>{std::string(node->text)}, true);
     case Kind::kList:
     case Kind::kTuple:
+      if (node->detail == PickleNode::kObjectTable) {
+        return array_failure(name, "expected an array of numbers, found one of Python objects",
+                             "save it with array.astype(float)");
+      }
       if (auto row = row_of(document(), *node)) return std::move(*row);
       if (auto row = text_row_of(document(), *node)) return std::move(*row);
       break;

@@ -51,7 +51,9 @@ constexpr std::array kSignatures = {
     Signature{"\xff\xd8\xff", "a JPEG image", kNoMotionHint},
     Signature{"gif8", "a GIF image", kNoMotionHint},
     Signature{"%pdf-", "a PDF document", kNoMotionHint},
-    Signature{"\x1a\x45\xdf\xa3", "a Matroska or WebM video", kVideoHint},
+    Signature{"\x1a"
+              "e\xdf\xa3",
+              "a Matroska or WebM video", kVideoHint},
     Signature{"riff", "an AVI video or a WAV sound", kVideoHint},
     Signature{"vocaloid motion data", "a VMD motion of MikuMikuDance",
               "apply it to its model, for example in Blender, and export that as FBX, GLB or BVH"},
@@ -62,7 +64,9 @@ constexpr std::array kSignatures = {
     Signature{"\xfd"
               "7zxz",
               "an xz archive", kUnsupportedHint},
-    Signature{"\x04\x22\x4d\x18", "an lz4 archive", kUnsupportedHint},
+    // The header of raw LZMA: the usual properties, then a dictionary size of whole 64 KiB.
+    Signature{"]\0\0"sv, "an lzma archive", kUnsupportedHint},
+    Signature{"\x04\"m\x18", "an lz4 archive", kUnsupportedHint},
     Signature{"7z\xbc\xaf", "a 7-Zip archive", kUnpackHint},
     Signature{"rar!", "a RAR archive", kUnpackHint},
     Signature{"#!oml:asf", "an Acclaim AMC file", "convert ASF and AMC to BVH first"},
@@ -80,6 +84,14 @@ constexpr std::array kSignatures = {
     Signature{"\xc1\x83*\x9e", "an Unreal Engine asset", kSceneHint},
 };
 
+static_assert(std::ranges::none_of(kSignatures,
+                                   [](const Signature& signature) {
+                                     return std::ranges::any_of(signature.prefix, [](char c) {
+                                       return c >= 'A' && c <= 'Z';
+                                     });
+                                   }),
+              "bytes of files are compared in lower case");
+
 void skip_blanks(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
 }
@@ -93,7 +105,7 @@ bool is_utf16(std::string_view bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return true;
   // Without a byte order mark, every other byte of ASCII text is zero.
   return bytes.size() >= 4 && ((bytes[0] == 0 && bytes[1] != 0 && bytes[2] == 0) ||
-                               (bytes[0] != 0 && bytes[1] == 0 && bytes[3] == 0));
+                               (bytes[0] != 0 && bytes[1] == 0 && bytes[2] != 0 && bytes[3] == 0));
 }
 
 // A C3D file begins with a block number, then the byte 0x50.

@@ -32,7 +32,9 @@ struct PickleNode {
     kObject,  ///< An intermediate object, such as a class or a dtype, that did not become an array.
   };
   Kind kind = Kind::kNone;
-  std::uint8_t detail = 0;   ///< Internal to the reader.
+  /// `detail` of a list: a NumPy array of Python objects with several dimensions.
+  static constexpr std::uint8_t kObjectTable = 1;
+  std::uint8_t detail = 0;   ///< Otherwise internal to the reader.
   std::int64_t integer = 0;  ///< Value of kBool and kInteger; array or tensor index.
   double number = 0.0;
   std::string_view text;             ///< Value of kText (unvalidated UTF-8) and kBytes.

@@ -190,7 +190,7 @@ Result<void> PickleReader::make_array(Node target, const PickleNode& type, const
 }
 
 Result<void> PickleReader::make_scalar(const PickleNode& arguments) {
-  if (arguments.items.size() != 2 || node(arguments.items[1]).kind != Kind::kBytes) {
+  if (arguments.items.size() != 2 || !is_bytes(node(arguments.items[1]))) {
     return fault("the pickle has a NumPy scalar without its value");
   }
   const PickleNode& type = node(arguments.items[0]);
@@ -202,7 +202,7 @@ Result<void> PickleReader::make_scalar(const PickleNode& arguments) {
 }
 
 Result<void> PickleReader::array_from_buffer(const PickleNode& arguments) {
-  if (arguments.items.size() != 4 || node(arguments.items[0]).kind != Kind::kBytes) {
+  if (arguments.items.size() != 4 || !is_bytes(node(arguments.items[0]))) {
     return fault("the pickle has an array buffer without its bytes");
   }
   const bool fortran_order = node(arguments.items[3]).text == "F";
@@ -232,7 +232,7 @@ Result<void> PickleReader::fill_shell(Node shell, const PickleNode& state) {
     return fault("the pickle has an array with an unsupported state");
   }
   if (node(state.items[4]).kind == Kind::kList) return fill_with_objects(shell, state);
-  if (node(state.items[4]).kind != Kind::kBytes) {
+  if (!is_bytes(node(state.items[4]))) {
     return fault("the pickle has an array of Python objects, which is not allowed",
                  "save arrays of numbers");
   }
@@ -252,6 +252,10 @@ Result<void> PickleReader::fill_with_objects(Node shell, const PickleNode& state
   if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays too often");
   PickleNode& made = node(shell);
   made.kind = Kind::kList;
+  const auto has_many = [&](Node length) { return node(length).integer > 1; };
+  made.detail = std::ranges::count_if(node(state.items[1]).items, has_many) > 1
+                    ? PickleNode::kObjectTable
+                    : std::uint8_t{0};
   made.items = items;
   return {};
 }

@@ -148,6 +148,11 @@ Result<bool> PickleReader::read_bytes(PickleOp op) {
     case PickleOp::kBinUnicode8:
       length_bytes = 8;
       break;
+    case PickleOp::kShortBinString:
+    case PickleOp::kBinString:
+      length_bytes = op == PickleOp::kShortBinString ? 1 : 4;
+      made.detail = kStringOfPython2;
+      break;
     case PickleOp::kShortBinBytes:
       length_bytes = 1;
       made.kind = Kind::kBytes;
@@ -352,7 +357,7 @@ Result<void> PickleReader::read() {
 namespace {
 
 // Opcodes that motion files do not need: old text forms, persistent ids, sets, objects.
-constexpr std::array<std::pair<std::uint8_t, const char*>, 26> kRefused = {{
+constexpr std::array<std::pair<std::uint8_t, const char*>, 24> kRefused = {{
     {'0', "POP"},
     {'1', "POP_MARK"},
     {'2', "DUP"},
@@ -362,8 +367,6 @@ constexpr std::array<std::pair<std::uint8_t, const char*>, 26> kRefused = {{
     {'P', "PERSID"},
     {'Q', "BINPERSID"},
     {'S', "STRING"},
-    {'T', "BINSTRING"},
-    {'U', "SHORT_BINSTRING"},
     {'V', "UNICODE"},
     {'g', "GET"},
     {'i', "INST"},

@@ -24,6 +24,8 @@ enum class PickleOp : std::uint8_t {
   kNone = 'N',
   kBinPersId = 'Q',  // Only in PyTorch files.
   kReduce = 'R',
+  kBinString = 'T',
+  kShortBinString = 'U',
   kBinUnicode = 'X',
   kAppend = 'a',
   kBuild = 'b',
@@ -153,6 +155,12 @@ class PickleReader {
   [[nodiscard]] Result<bool> push_sequence(PickleNode::Kind kind, std::size_t count);
   [[nodiscard]] Result<void> add_items(PickleNode::Kind kind, const std::vector<Node>& items);
 
+  // PickleNode::detail of a string of Python 2, which may be text or the bytes of an array.
+  static constexpr std::uint8_t kStringOfPython2 = 1;
+  [[nodiscard]] static bool is_bytes(const PickleNode& found) {
+    return found.kind == PickleNode::Kind::kBytes ||
+           (found.kind == PickleNode::Kind::kText && found.detail == kStringOfPython2);
+  }
   [[nodiscard]] PickleNode& node(Node index) { return document_.nodes_[index]; }
   [[nodiscard]] bool is_part(const PickleNode& found, Part part) const {
     return found.kind == PickleNode::Kind::kObject && found.detail == static_cast<int>(part);

@@ -62,6 +62,7 @@ struct Format {
                                      const FrameRate& rate) = nullptr;  ///< Null: none.
   /// Names of the options that only some formats use, separated by blanks.
   std::string_view options = {};
+  bool is_float32 = false;  ///< Root and joints are stored as float32.
 
   [[nodiscard]] bool is_robots() const { return write != nullptr; }
 };

@@ -20,17 +20,17 @@ constexpr unsigned kinds_of(std::initializer_list<FileKind> kinds) {
 
 // Readers of BVH and CSV also receive content of unknown types, because their messages name the
 // line and column that they cannot read.
-constexpr FormatFamily kBvh = {
-    kinds_of({FileKind::kBvh, FileKind::kOther, FileKind::kForeign, FileKind::kGzip}), ".bvh", "",
-    read_bvh_file, nullptr};
+constexpr FormatFamily kBvh = {kinds_of({FileKind::kBvh, FileKind::kOther, FileKind::kForeign}),
+                               ".bvh", "", read_bvh_file, nullptr};
 constexpr FormatFamily kFbx = {kinds_of({FileKind::kFbx}), ".fbx", "", read_scene_file, nullptr};
 constexpr FormatFamily kGltf = {kinds_of({FileKind::kGltf}), ".glb .gltf .vrm .vrma", "",
                                 read_scene_file, nullptr};
 constexpr FormatFamily kMvnx = {kinds_of({FileKind::kMvnx}), ".mvnx", "", read_scene_file, nullptr};
 // Pickles are often robot motions, so a batch recognises human motions among them only by name.
-constexpr FormatFamily kArrays = {
-    kinds_of({FileKind::kNpz, FileKind::kNpy, FileKind::kPickle, FileKind::kTorch}),
-    ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file, nullptr};
+constexpr FormatFamily kArrays = {kinds_of({FileKind::kNpz, FileKind::kNpy, FileKind::kPickle,
+                                            FileKind::kTorch, FileKind::kGzip}),
+                                  ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file,
+                                  nullptr};
 constexpr FormatFamily kCsv = {kinds_of({FileKind::kOther, FileKind::kForeign}), ".csv",
                                ".tsv .txt", nullptr, read_csv_motion};
 constexpr FormatFamily kNpz = {kinds_of({FileKind::kNpz}), ".npz", "", nullptr, read_npz_motion};
@@ -67,25 +67,38 @@ constexpr Format kFormats[] = {
      "programs for SOMA's and BONES-SEED's files", "", "", MotionFormat::kCsvSoma, ".soma.csv",
      false, write_csv, soma_csv_losses, kPrinted},
     {"npz-mjlab", kNpz, "arrays in MuJoCo's order", "mjlab's tracking task", "", "joint_pos",
-     MotionFormat::kNpzMjlab, ".mjlab.npz", true, write_tracking_npz, nullptr, kTrackingOptions},
+     MotionFormat::kNpzMjlab, ".mjlab.npz", true, write_tracking_npz, nullptr, kTrackingOptions,
+     true},
     {"npz-beyondmimic", kNpz, "arrays in Isaac Lab's order", "BeyondMimic (whole_body_tracking)",
      "", "joint_pos", MotionFormat::kNpzBeyondMimic, ".beyondmimic.npz", true, write_tracking_npz,
-     nullptr, kTrackingOptions},
+     nullptr, kTrackingOptions, true},
     {"npz-holosoma", kNpz, "arrays in MuJoCo's order, the root among the joints",
      "holosoma's whole-body tracking", "", "joint_pos", MotionFormat::kNpzHolosoma, ".holosoma.npz",
-     true, write_tracking_npz, nullptr, kTrackingOptions},
+     true, write_tracking_npz, nullptr, kTrackingOptions, true},
     {"pkl-gmr", kPickle, "Python pickle", "programs for GMR's files: TWIST2, GMT and others", "",
      "dof_pos", MotionFormat::kPklGmr, ".gmr.pkl", false, write_gmr_pickle},
     {"pkl-pbhc", kPickle, "Python pickle", "PBHC, ASAP", "", "root_trans_offset",
-     MotionFormat::kPklPbhc, ".pbhc.pkl", false, write_motion_lib_pickle, pbhc_losses, kNamed},
+     MotionFormat::kPklPbhc, ".pbhc.pkl", false, write_motion_lib_pickle, pbhc_losses, kNamed,
+     true},
     {"pkl-motion-lib", kPickle, "Python pickle, all joints",
      "SONIC's training (GR00T-WholeBodyControl)", "", "root_trans_offset",
      MotionFormat::kPklMotionLib, ".motion-lib.pkl", false, write_motion_lib_pickle, nullptr,
-     kNamed},
+     kNamed, true},
     {"pkl-mimickit", kPickle, "Python pickle", "MimicKit", "", "loop_mode",
      MotionFormat::kPklMimicKit, ".mimickit.pkl", false, write_mimickit_pickle},
-    {"protomotions", kTorch, "`.motion`, a PyTorch file", "ProtoMotions", "", "rigid_body_pos",
-     MotionFormat::kProtoMotions, ".motion", false, write_protomotions},
+    {"protomotions",
+     kTorch,
+     "`.motion`, a PyTorch file",
+     "ProtoMotions",
+     "",
+     "rigid_body_pos",
+     MotionFormat::kProtoMotions,
+     ".motion",
+     false,
+     write_protomotions,
+     nullptr,
+     {},
+     true},
     {"csv-sonic", kFolder, "a folder of CSVs", "SONIC's deployment (GR00T-WholeBodyControl)", "",
      "", MotionFormat::kCsvSonic, ".sonic", true, write_sonic_folder, sonic_losses, kSonicOptions},
     {"glb", kShown, "glTF 2.0, binary", "Blender, three.js, 3D viewers", "", "", MotionFormat::kGlb,
@@ -208,6 +221,27 @@ std::vector<std::string> folder_file_names(MotionFormat format) {
 
 bool format_has_own_rate(MotionFormat format) {
   return robot_format(format).own_rate;
+}
+
+int format_frame_count(const RobotClip& clip, MotionFormat format, const TrackingOptions& options) {
+  return format_has_own_rate(format) ? tracking_frame_count(clip, format, options)
+                                     : clip.frame_count();
+}
+
+RobotClip stored_clip(const RobotClip& clip, MotionFormat format, const TrackingOptions& options) {
+  const Format& row = robot_format(format);
+  const bool resampled = row.own_rate && !same_rate(options.rate, clip.rate());
+  const int frames = resampled ? clip.frame_count() : format_frame_count(clip, format, options);
+  // A motion that is too short for its format is an error of the writer only.
+  RobotClip stored(clip.shared_robot(), clip.rate(),
+                   std::clamp(frames, std::min(1, clip.frame_count()), clip.frame_count()));
+  for (int frame = 0; frame < stored.frame_count(); ++frame) {
+    const auto qpos = stored.qpos(frame);
+    std::ranges::copy(clip.qpos(frame), qpos.begin());
+    if (!row.is_float32) continue;
+    for (double& value : qpos) value = static_cast<float>(value);
+  }
+  return stored;
 }
 
 std::string_view format_long_ending(MotionFormat format) {

@@ -49,6 +49,10 @@ using MotionFiles = Result<std::vector<FormattedFile>>;
   return files;
 }
 
+/// Number of samples of make_tracking_motion.
+[[nodiscard]] int tracking_frame_count(const RobotClip& clip, MotionFormat format,
+                                       const TrackingOptions& options);
+
 /// make_tracking_motion with the motion's contacts and scene, if they are known.
 [[nodiscard]] Result<TrackingMotion> tracking_with_contacts(const RobotClip& clip,
                                                             MotionFormat format,

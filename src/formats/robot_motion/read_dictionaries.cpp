@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdint>
-#include <set>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -194,12 +194,13 @@ Result<std::string> choose_motion(const PickleDocument& document, const std::str
                                   const ReadMotionOptions& options) {
   const PickleNode& root = document.root();
   std::vector<std::string> motions;
-  // A pickle may refer to one member many times; visit it once.
-  std::set<const PickleNode*> seen;
+  std::map<const PickleNode*, bool> is_motion;  // By member, which may have many references.
   for (std::size_t i = 0; i + 1 < root.items.size(); i += 2) {
     const PickleNode &key = document.at(root.items[i]), &member = document.at(root.items[i + 1]);
-    if (key.kind != PickleNode::Kind::kText || !seen.insert(&member).second) continue;
-    if (document.find(member, kMotionLibLayout.position) != nullptr) motions.emplace_back(key.text);
+    if (key.kind != PickleNode::Kind::kText) continue;
+    const auto [found, is_new] = is_motion.try_emplace(&member, false);
+    if (is_new) found->second = document.find(member, kMotionLibLayout.position) != nullptr;
+    if (found->second) motions.emplace_back(key.text);
   }
   if (motions.empty()) {
     return input_failure(file, "the pickle does not contain a robot motion",
@@ -208,13 +209,12 @@ Result<std::string> choose_motion(const PickleDocument& document, const std::str
                          "frames) are supported");
   }
   const std::string chosen = options.motion.empty() ? motions.front() : options.motion;
-  if (!options.motion.empty()) {
-    if (std::find(motions.begin(), motions.end(), chosen) == motions.end()) {
-      return input_failure(
-          file, "the file has no motion \"" + chosen + "\"" + did_you_mean(chosen, motions),
-          "its motions are " + list_names(motions, 10));
-    }
-  } else if (motions.size() > 1) {
+  if (std::ranges::find(motions, chosen) == motions.end()) {
+    return input_failure(
+        file, "the file has no motion \"" + chosen + "\"" + did_you_mean(chosen, motions),
+        "its motions are " + list_names(motions, 10));
+  }
+  if (options.motion.empty() && motions.size() > 1) {
     return input_failure(file, "the file holds " + std::to_string(motions.size()) + " motions",
                          "choose one with " OPTION("motion") ": " + list_names(motions, 10));
   }
@@ -331,9 +331,14 @@ Result<RawMotion> read_protomotions(std::string_view bytes,
                          "ProtoMotions' dictionary (dof_pos, rigid_body_pos, rigid_body_rot) is "
                          "supported");
   }
+  const PickleNode* state = torch.document().find(root, "state_conversion");
   const DictionaryArrays arrays(file, torch, root);
   TRY_ASSIGN(auto motion, read_trainer_arrays(arrays, kProtoLayout));
   RawMotion raw = std::move(motion.raw);
+  if (state != nullptr && state->kind == PickleNode::Kind::kText && state->text != "common") {
+    raw.warnings.push_back("its state_conversion is \"" + printable(state->text) +
+                           "\"; it is read as \"common\", in the order of the model");
+  }
   // A layout lists joints in the model's order.
   const TrackingLayout layout = tracking_layout(*robot, MotionFormat::kProtoMotions);
   if (layout.joints.size() == raw.joint_count) raw.joint_indices = layout.joints;

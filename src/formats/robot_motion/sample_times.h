@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
+
 #include "retarget/clip.h"
 
 namespace retarget {
@@ -25,11 +28,14 @@ class SampleTimes {
             static_cast<double>(sample * numerator_ % denominator_) /
                 static_cast<double>(denominator_)};
   }
-  [[nodiscard]] bool is_before(WideFrames sample, int frame) const {
-    return sample * numerator_ < frame * denominator_;
+  /// Number of samples before a frame.
+  [[nodiscard]] int count_before(int frame) const {
+    const WideFrames count = (frame * denominator_ + numerator_ - 1) / numerator_;
+    return static_cast<int>(std::min(count, WideFrames{std::numeric_limits<int>::max() - 1}));
   }
-  [[nodiscard]] bool is_at(WideFrames sample, int frame) const {
-    return sample * numerator_ == frame * denominator_;
+  /// Whether a sample coincides with a frame.
+  [[nodiscard]] bool has_sample_at(int frame) const {
+    return frame * denominator_ % numerator_ == 0;
   }
 
  private:

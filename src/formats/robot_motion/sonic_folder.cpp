@@ -198,9 +198,7 @@ std::vector<std::size_t> bodies_of_folder(const std::string& path, const Robot& 
 
 MotionFiles write_sonic_folder(const RobotClip& clip, MotionFormat format,
                                const WriteMotionOptions& options) {
-  TrackingOptions tracking = options.tracking;
-  tracking.until_last = true;
-  TRY_ASSIGN(const auto motion, tracking_with_contacts(clip, format, options, tracking));
+  TRY_ASSIGN(const auto motion, tracking_with_contacts(clip, format, options, options.tracking));
   const std::vector<std::size_t> tracked = tracked_bodies_of(motion);
   std::vector<FormattedFile> files;
   for (const SonicFile& file : kSonicFiles) {

@@ -8,6 +8,7 @@
 
 #include "base/option_name.h"
 #include "formats/containers/npz.h"
+#include "formats/robot_motion/motion_writers.h"
 #include "formats/robot_motion/sample_times.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -35,12 +36,11 @@ struct Samples {
   std::vector<std::vector<double>> qpos;
 };
 
-Samples sample(const RobotClip& clip, const TrackingOptions& options) {
+Samples sample(const RobotClip& clip, MotionFormat format, const TrackingOptions& options) {
   const SampleTimes times(clip.rate(), options.rate);
-  const int last = clip.frame_count() - 1;
+  const int count = tracking_frame_count(clip, format, options);
   Samples samples;
-  for (WideFrames i = 0; times.is_before(i, last) || (options.until_last && times.is_at(i, last));
-       ++i) {
+  for (int i = 0; i < count; ++i) {
     const auto [frame, s] = times.at(i);
     const auto a = clip.qpos(frame), b = clip.qpos(std::min(frame + 1, clip.frame_count() - 1));
     std::vector<double> qpos(a.size());
@@ -202,6 +202,21 @@ TrackingLayout tracking_layout(const Robot& robot, MotionFormat format) {
   return layout;
 }
 
+TrackingOptions conversion_options(TrackingOptions options, const FrameRate& motion) {
+  options.until_last = same_rate(options.rate, motion);
+  return options;
+}
+
+int tracking_frame_count(const RobotClip& clip, MotionFormat format,
+                         const TrackingOptions& options) {
+  if (clip.frame_count() == 0) return 0;
+  const SampleTimes times(clip.rate(), options.rate);
+  const int last = clip.frame_count() - 1;
+  const bool until_last = options.until_last || format == MotionFormat::kProtoMotions ||
+                          format == MotionFormat::kCsvSonic;
+  return times.count_before(last) + (until_last && times.has_sample_at(last) ? 1 : 0);
+}
+
 Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat format,
                                             const TrackingOptions& options) {
   const Robot& robot = clip.robot();
@@ -214,7 +229,7 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
                              to_text(options.rate) + " fps",
                          OPTION("source-fps") " corrects a wrong rate in the file");
   }
-  const Samples samples = sample(clip, options);
+  const Samples samples = sample(clip, format, options);
   const std::size_t count = samples.qpos.size();
   if (count < kMinSamples) {
     return input_failure("", "a tracking file needs three frames at " + to_text(options.rate) +

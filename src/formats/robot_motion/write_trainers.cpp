@@ -332,7 +332,6 @@ MotionFiles write_protomotions(const RobotClip& clip, MotionFormat format,
                                const WriteMotionOptions& options) {
   TrackingOptions tracking;
   tracking.rate = clip.rate();
-  tracking.until_last = true;
   TRY_ASSIGN(const auto motion, tracking_with_contacts(clip, format, options, tracking));
   const std::vector<ProtoBody> bodies = proto_bodies(clip.robot());
   const BodyRows rows = body_rows(motion, bodies);

@@ -258,7 +258,9 @@ Result<MotionFile> open_motion_file(std::string_view bytes, const std::string& f
   const FileKind kind = file_type(bytes).kind;
   if (kind == FileKind::kTorch) return open_torch(bytes, file_name, options);
   if (kind == FileKind::kNpy) return open_array_motion(bytes, file_name, options);
-  if (kind == FileKind::kPickle) return open_pickled_motion(bytes, file_name, options);
+  if (kind == FileKind::kPickle || kind == FileKind::kGzip) {
+    return open_pickled_motion(bytes, file_name, options);
+  }
   NpzReadOptions read;
   read.max_number_bytes = options.max_clip_bytes;
   TRY_ASSIGN(NpzFile file, NpzFile::open(bytes, file_name, read));

@@ -113,8 +113,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "frames.",
      kOwn},
     {"float_planted_pct", "%",
-     "Frames in which a source foot is in contact and every sole point and primitive is more than "
-     "2 cm above the floor.",
+     "Frames in which heel and toe of a source foot are in contact and every sole point and "
+     "primitive is more than 2 cm above the floor.",
      kContacts},
     {"hover_pct", "%",
      "Frames in which the robot hovers: every sole point and primitive is more than 2 cm above the "
@@ -136,25 +136,27 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Mean excess of the speed of the source's slowest ankle or toe over the speed of its hips: "
      "supporting feet are at rest, and feet in the air move with the body.",
      kOwn},
-    {"contact_pct", "%", "Feet and frames in which the source foot is in contact.", kContacts},
+    {"contact_pct", "%",
+     "Feet and frames in which heel and toe of the source foot are in contact with the floor (of a "
+     "foot without a toe joint, the heel).",
+     kContacts},
     {"contact_slip_mean", "m/s",
-     "Mean horizontal speed of the centre of the sole while the source foot is in contact.",
+     "Mean horizontal speed of the centre of the sole during these contacts.",
      "GMD foot skating, with contacts from the source as in OmniRetarget"},
     {"contact_slip_p95", "m/s", "95th percentile of the same speed.", kOwn},
     {"contact_drift_p95_cm", "cm",
      "Largest horizontal distance of the centre of the sole from its median position within a "
      "contact; 95th percentile over contacts.",
      kOwn},
-    {"contact_height_p50_cm", "cm",
-     "Median height of the lowest sole point while the source foot is in contact.", kOwn},
+    {"contact_height_p50_cm", "cm", "Median height of the lowest sole point during these contacts.",
+     kOwn},
     {"contact_agreement_pct", "%",
      "Feet and frames in which source and robot agree on whether the foot stands: the robot's foot "
      "stands while its lowest sole point is below 2 cm and the centre of its sole is slower than "
      "0.25 m/s.",
      "PHUMA and OmniRetarget, contact preservation"},
     {"contact_kept_pct", "%",
-     "Share of the feet and frames with the source foot in contact in which the robot's foot "
-     "stands.",
+     "Share of the feet and frames of contact_pct in which the robot's foot stands.",
      "OmniRetarget, contact preservation"},
     {"stance_pct", "%",
      "Feet and frames in which the source foot is in contact on its sole: the foot's up direction "

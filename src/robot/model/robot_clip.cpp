@@ -124,6 +124,10 @@ StartNormalizer::StartNormalizer(std::span<const double> first)
     : origin_(first[0], first[1], 0.0),
       turn_(exp_so3(-heading(root_rotation(first)) * Eigen::Vector3d::UnitZ())) {}
 
+StartNormalizer::StartNormalizer(const RobotClip& clip) {
+  if (clip.frame_count() > 0) *this = StartNormalizer(clip.qpos(0));
+}
+
 void StartNormalizer::apply(std::span<double> qpos) const {
   const Pose root = root_pose(qpos);
   const Eigen::Vector3d position = turn_ * (root.translation - origin_);
@@ -131,10 +135,12 @@ void StartNormalizer::apply(std::span<double> qpos) const {
   set_root_rotation(qpos, turn_ * root.rotation);
 }
 
+void StartNormalizer::apply(RobotClip& clip) const {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) apply(clip.qpos(frame));
+}
+
 void normalize_start(RobotClip& clip) {
-  if (clip.frame_count() == 0) return;
-  const StartNormalizer normalizer(clip.qpos(0));
-  for (int frame = 0; frame < clip.frame_count(); ++frame) normalizer.apply(clip.qpos(frame));
+  StartNormalizer(clip).apply(clip);
 }
 
 }  // namespace retarget
