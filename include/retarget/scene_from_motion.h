@@ -33,7 +33,8 @@ struct SceneFromMotion {
 /// * Steps: stances on a sole that is raised, in which the foot carries the body: the other foot
 ///   does not stand lower for at least 0.1 s.
 /// * Seats: the hips rest for 0.5 s in the height of a sitting body, with level thighs, and farther
-///   behind the feet than a squatting body could be.
+///   behind the feet than a squatting body could be. Planks and bridges, a flat trunk that arms or
+///   shoulders and feet carry, do not sit.
 /// * Rests of hands: a hand stays within 2 cm for 0.5 s while its shoulder moves by more than 10
 ///   cm.
 ///

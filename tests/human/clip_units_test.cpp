@@ -27,9 +27,11 @@
 namespace retarget {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 const std::vector<std::string> kSamplesInUnits = {"walk", "squat", "turn_in_place", "wave",
                                                   "get_up"};
@@ -123,6 +125,19 @@ TEST(ClipUnits, ConvertsRootTranslations) {
           << name << factor;
       expect_same(repaired, clip);
     }
+  }
+}
+
+TEST(ClipUnits, PositionsHaveOneUnit) {
+  for (const double factor : {0.01, 2.54}) {
+    Clip clip =
+        with_root(sample_of("walk", true), [&](const Eigen::Vector3d& at) { return at * factor; });
+    ClipOrigin origin = clip.origin();
+    origin.unknown_rotations = {"Hips"};
+    clip.set_origin(origin);
+    const Clip positions = clip;
+    EXPECT_THAT(repair(clip), Not(Contains(HasSubstr("multiplied by")))) << factor;
+    expect_same(clip, positions);
   }
 }
 

@@ -326,6 +326,49 @@ TEST(RootDrift, DoesNotTakeABoxForTheClimbOfFeetThatRoll) {
   }
 }
 
+// Noise of 1.5 cm.
+Vector3d root_noise(double seconds) {
+  const auto wave = [&](double frequency) { return std::sin(2.0 * kPi * frequency * seconds); };
+  return {0.01 * (wave(1.7) + wave(2.9)), 0.01 * (wave(2.3) + wave(3.7)),
+          0.01 * (wave(1.3) + wave(3.1))};
+}
+
+// Both feet stand for half a second while the hips pass over them, and swing with the hips for
+// another half.
+DriftingBody body_on_crutches(const Path& off) {
+  constexpr double kStride = 0.8;
+  const auto foot_at = [](int foot, double seconds) {
+    const double whole = std::floor(seconds), swing = std::max(0.0, seconds - whole - 0.5) / 0.5;
+    return Vector3d(kStride * (whole + swing), foot == 0 ? 0.1 : -0.1,
+                    0.05 * std::sin(kPi * swing));
+  };
+  DriftingBody body = body_of(300, off, foot_at);
+  for (std::size_t i = 0; i < body.hips.size(); ++i) {
+    const double seconds = static_cast<double>(i) * kDriftFrameTime;
+    body.hips[i].x() = off(seconds).x() + kStride * (seconds - 0.5);
+  }
+  return body;
+}
+
+TEST(RootDrift, KeepsTheWayOfABodyThatCarriesItsFeet) {
+  const DriftingBody body = body_on_crutches(root_noise);
+  const RootDrift found = find_root_drift(body.feet, body.hips, {true});
+  EXPECT_LT(farthest_left(body, root_noise, found), 0.2);
+}
+
+TEST(RootDrift, KeepsAClimbWithNoise) {
+  // Steps of 0.3 m: the lower foot leaves its step while the upper one stands.
+  const auto foot_at = [](int foot, double seconds) {
+    Vector3d place = foot_of_walker(foot, 0.5 * seconds);
+    place.z() += 0.5 * place.x();
+    return place;
+  };
+  DriftingBody body = body_of(300, root_noise, foot_at);
+  for (Vector3d& place : body.hips) place.z() += 0.5 * place.x();
+  const RootDrift found = find_root_drift(body.feet, body.hips, {true});
+  EXPECT_LT(farthest_left(body, root_noise, found), 0.15);
+}
+
 TEST(RootDrift, ScalesLengthsWithTheBody) {
   DriftingBody body = body_of(240, sway, foot_of_walker);
   const RootDrift usual = find_root_drift(body.feet, body.hips);

@@ -158,7 +158,7 @@ class ClipCleaner {
     if (moved < 0) return;
     const auto [feet, hips] = read_feet();
     if (feet.foot_count == 0) return;
-    const RootEvidence evidence = without_noise(measure_root(feet), report_.foot_noise.speed);
+    const RootEvidence evidence = without_noise(measure_root(feet, hips), report_.foot_noise.speed);
     if (!jittery_ && !evidence.moves()) return;
     // This drift is not the path of a body whose root translation is missing: correcting it would
     // cover a part of the path and hide the fault from the gates.
@@ -183,10 +183,10 @@ class ClipCleaner {
     return evidence;
   }
 
-  // In a fast run with noise few feet stand, and the solution follows those that swing. Then its
-  // vertical part is wrong, too.
+  // A right correction makes more feet stand. In a fast run with noise few feet stand, and the
+  // solution follows those that swing. Then its vertical part is wrong, too.
   [[nodiscard]] bool loses_contacts(const RootDrift& found, int moved, const SourceFeet& feet) {
-    constexpr double kLeastShare = 0.7;
+    constexpr double kLeastShare = 0.95;
     Clip uncorrected = clip_;
     std::vector<Vector3d> whole = found.drift;
     for (std::size_t i = 0; i < found.discarded_heights.size(); ++i) {

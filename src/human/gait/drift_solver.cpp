@@ -7,6 +7,7 @@
 
 #include "base/math/banded_system.h"
 #include "human/gait/end_tracks.h"
+#include "human/gait/planted_parts.h"
 #include "human/gait/root_drift.h"
 #include "retarget/statistics.h"
 
@@ -25,6 +26,7 @@ class DriftSolver {
   DriftSolver(const SourceFeet& feet, const std::vector<Vector3d>& hips, DriftRule rule)
       : tracks_(feet),
         falls_(frames_in_free_fall(feet, tracks_)),
+        parts_(feet, tracks_, hips),
         vertical_(rule.vertical),
         climbs_(rule.climbs),
         rate_(1.0 / tracks_.frame_time),
@@ -33,6 +35,8 @@ class DriftSolver {
         drift_(tracks_.count, Vector3d::Zero()) {
     for (const Vector3d& place : hips) hips_.push_back(place / tracks_.scale);
     find_stances();
+    constexpr double kOneLevel = 0.15;  // Metres.
+    on_levels_ = parts_.root_speed() > 0.0 && spread_of_stances() > kOneLevel;
   }
 
   RootDrift solve() {
@@ -77,12 +81,19 @@ class DriftSolver {
       weigh_steps();
       for (int axis = 0; axis < (vertical_ ? 3 : 2); ++axis) solve_axis(axis, gate);
       is_first_ = false;
-      if (levels_) rolling_.z() -= climb_of_level();
+      if (levels_) rolling_.z() -= added_climb();
     }
   }
 
-  [[nodiscard]] bool climbs_now() const {
-    return std::abs(climb_of_level()) * static_cast<double>(tracks_.count) > kClimb;
+  // Climb of the stances that the drift adds, per step. A body may climb in truth.
+  [[nodiscard]] double added_climb() {
+    double before = 0.0;
+    without_drift([&] { before = climb_of_level(); });
+    return climb_of_level() - before;
+  }
+
+  [[nodiscard]] bool climbs_now() {
+    return std::abs(added_climb()) * static_cast<double>(tracks_.count) > kClimb;
   }
 
   // Feet that roll sink, or rise, alike in all stances, and the root does not. Finds the step with
@@ -113,15 +124,23 @@ class DriftSolver {
     for (int end = 0; end < kEndCount; ++end) {
       stands_[end].assign(tracks_.count, 0.0);
       for (std::size_t i = 0; i < tracks_.count; ++i) {
-        if (aloft[i]) continue;
         const int foot = end / 2;
+        const bool climbs = stands_while_body_climbs(foot, i, aloft);
+        if (falls_[i] != 0 || (aloft[i] != 0 && !climbs) || parts_.is_carried(foot, i)) continue;
         const double lower = tracks_.lower(foot, i);
-        const double near = bell(std::max(0.0, lower - tracks_.lowest[i] - kFree) / kWidth);
+        const double over = climbs ? 0.0 : lower - tracks_.lowest[i];
+        const double near = bell(std::max(0.0, over - kFree) / kWidth);
         const double steady = bell(tracks_.turning(foot, i) / turning_);
         const double rise = std::max(0.0, tracks_.heights[end][i] - lower - kEndFree);
         stands_[end][i] = near * (steady + (1.0 - steady) * kTurningShare * bell(rise / kEndWidth));
       }
     }
+  }
+
+  // A body that climbs stands on the upper foot, and carries the lower one.
+  [[nodiscard]] bool stands_while_body_climbs(int foot, std::size_t i,
+                                              const std::vector<char>& aloft) const {
+    return parts_.is_planted(foot, i) && (aloft[i] != 0 || parts_.is_carried(1 - foot, i));
   }
 
   // Frames in which the body is in the air: the feet fall freely with it, or the lowest foot is far
@@ -192,16 +211,20 @@ class DriftSolver {
   }
 
   // Whether the stances are nearer to one level before the correction. In a few seconds of a large
-  // drift that also happens by chance, but the correction then stops the feet.
+  // drift that also happens by chance, but the correction then stops the feet, and they are not
+  // much nearer.
   [[nodiscard]] bool tilts_floor() {
     constexpr double kWorse = 0.01;  // Metres.
     constexpr double kStops = 0.2;   // Share of the vertical speed.
+    constexpr double kMuchWorse = 4.0;
     double before = 0.0, moving = 0.0;
     without_drift([&] {
       before = spread_of_stances();
       moving = vertical_speed_of_stances();
     });
-    return spread_of_stances() > before + kWorse && vertical_speed_of_stances() > kStops * moving;
+    const double spread = spread_of_stances();
+    if (!(spread > before + kWorse)) return false;
+    return spread > kMuchWorse * (before + kWorse) || vertical_speed_of_stances() > kStops * moving;
   }
 
   // Reduces the weight of ends that move differently from the solution: they do not stand.
@@ -236,14 +259,33 @@ class DriftSolver {
         fit.add_difference(i, weights_[end][i] / square(step_), step_of_root(end, i)[axis]);
       }
     }
+    add_rest(axis, fit);
     if (axis == 2 && gate > 0.0) add_level(gate, fit);
     const std::vector<double> solved = fit.solve();
     for (std::size_t i = 0; i < tracks_.count; ++i) drift_[i][axis] = solved[i];
   }
 
+  // Where nothing stands, the root hardly drifts faster than the planted parts show.
+  void add_rest(int axis, PentadiagonalFit& fit) const {
+    constexpr double kRarely = 3.0;  // Usual speeds.
+    if (!(parts_.root_speed() > 0.0)) return;
+    const double slow = kRarely * parts_.root_speed() * tracks_.frame_time;
+    const double weight = 1.0 / (square(slow) + square(change_[axis]));
+    for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
+      double most = 0.0;
+      for (const std::vector<double>& weights : weights_) most = std::max(most, weights[i]);
+      fit.add_difference(i, weight * (1.0 - most), 0.0);
+    }
+  }
+
   // Pulls stances to one level, except those far from it, such as on a step or a box.
   void add_level(double gate, PentadiagonalFit& fit) const {
     constexpr double kSpread = 0.03, kTime = 0.3;  // Spread in metres of stances of this duration.
+    constexpr double kLeastGate = 0.08;            // Metres.
+    constexpr double kLongest = 1.0;               // Seconds.
+    constexpr double kFar = 2.0;                   // Gates.
+    // A drift that is known to be slow does not separate the levels.
+    if (on_levels_) gate = std::min(gate, std::max(kLeastGate, parts_.root_speed() * kLongest));
     const std::vector<double> standing = heights_of_stances(0, tracks_.count);
     if (standing.empty()) return;
     const double level = median(standing);
@@ -252,6 +294,7 @@ class DriftSolver {
       for (std::size_t i = 0; i < tracks_.count; ++i) {
         const double height = tracks_.heights[end][i];
         const double off = (height - drift_[i].z() - level) / gate;
+        if (on_levels_ && std::abs(off) > kFar) continue;
         const double stands = weights_[end][std::min(i, tracks_.count - 2)];
         fit.add_value(i, weight * stands * cauchy(off), height - level);
       }
@@ -325,8 +368,10 @@ class DriftSolver {
 
   EndTracks tracks_;
   std::vector<char> falls_;  // One per frame: whether the feet fall freely with the body.
+  PlantedParts parts_;
   bool vertical_, climbs_;
-  bool levels_ = false;  // Whether rolling_ follows the climb of the stances.
+  bool on_levels_ = false;  // Whether the stances are on several levels without the drift.
+  bool levels_ = false;     // Whether rolling_ follows the climb of the stances.
   double rate_;
   double turning_;                        // Turning speed above which a foot hardly stands, m/s.
   double step_;                           // Movement of a standing end per frame, metres.

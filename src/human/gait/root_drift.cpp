@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "human/gait/end_tracks.h"
+#include "human/gait/planted_parts.h"
 #include "retarget/statistics.h"
 
 namespace retarget {
@@ -22,7 +24,8 @@ bool is_upright(const SourceFeet& feet, const EndTracks& tracks, std::size_t i) 
 }
 
 // Whether the standing feet climb in each third of the clip, and the lowest foot as far as they do.
-bool is_steady(const EndTracks& tracks, const std::vector<double>& climbing, double climb) {
+bool climbs_in_all_thirds(const EndTracks& tracks, const std::vector<double>& climbing,
+                          double climb) {
   // `climbing` is NaN in frames without a standing foot.
   constexpr std::size_t kParts = 3;
   std::array<double, kParts> lowest{};
@@ -65,7 +68,7 @@ bool RootEvidence::climbs() const {
   return climbs_steadily || shake_speed > kClimbSpeed;
 }
 
-RootEvidence measure_root(const SourceFeet& feet) {
+RootEvidence measure_root(const SourceFeet& feet, const std::vector<Vector3d>& hips) {
   // Largest turning speed of a standing foot and speed difference of the feet, m/s; height
   // differences, metres.
   constexpr double kSame = 0.12, kLevel = 0.05, kLower = 0.03;
@@ -73,11 +76,16 @@ RootEvidence measure_root(const SourceFeet& feet) {
   if (!has_whole_feet(feet)) return evidence;
   const EndTracks tracks(feet);
   const std::vector<char> falls = frames_in_free_fall(feet, tracks);
+  std::optional<PlantedParts> parts;
+  if (!hips.empty()) parts.emplace(feet, tracks, hips);
   std::vector<double> speeds, single_speeds, climbing(tracks.count, NAN), climbs;
   for (std::size_t i = 0; i < tracks.count; ++i) {
     if (falls[i] != 0) continue;
     const bool upright = is_upright(feet, tracks, i);
-    const std::array<bool, 2> steady = {tracks.turning(0, i) < kSame, tracks.turning(1, i) < kSame};
+    const auto is_steady = [&](int foot) {
+      return tracks.turning(foot, i) < kSame && !(parts && parts->is_carried(foot, i));
+    };
+    const std::array<bool, 2> steady = {is_steady(0), is_steady(1)};
     const bool same = (tracks.velocity(0, i) - tracks.velocity(1, i)).norm() < kSame;
     const double over = tracks.lower(0, i) - tracks.lower(1, i);
     if (steady[0] && steady[1] && same && std::abs(over) < kLevel) {
@@ -103,7 +111,8 @@ RootEvidence measure_root(const SourceFeet& feet) {
   if (!single_speeds.empty()) evidence.single_speed = percentile(single_speeds, kUsual);
   if (!climbs.empty()) {
     evidence.climb = median(climbs) * static_cast<double>(tracks.count) * tracks.frame_time;
-    evidence.climbs_steadily = evidence.climb != 0.0 && is_steady(tracks, climbing, evidence.climb);
+    evidence.climbs_steadily =
+        evidence.climb != 0.0 && climbs_in_all_thirds(tracks, climbing, evidence.climb);
   }
   std::erase_if(climbing, [](double speed) { return !std::isfinite(speed); });
   evidence.climb_seconds = seconds(climbing);

@@ -9,7 +9,7 @@ namespace retarget {
 
 /// Evidence of root errors from standing feet. A foot stands if it does not turn, and is the lower
 /// foot or moves like the other one; this does not depend on the root. No foot stands while the
-/// body is in free fall. Lengths and speeds refer to a body with legs of kUsualSourceLeg.
+/// body is in free fall, or if the body carries it. Lengths and speeds refer to a body with legs of kUsualSourceLeg.
 struct RootEvidence {
   double seconds = 0.0;  ///< Time in which both feet stand.
   double speed = 0.0;    ///< Speed that they exceed in 65 % of this time, m/s; 0 for an exact root.
@@ -32,7 +32,10 @@ struct RootEvidence {
   [[nodiscard]] bool climbs() const;
 };
 
-[[nodiscard]] RootEvidence measure_root(const SourceFeet& feet);
+/// @param hips  hip positions by frame, which tell carried feet (planted_parts.h); world, metres;
+///              empty: unknown
+[[nodiscard]] RootEvidence measure_root(const SourceFeet& feet,
+                                        const std::vector<Eigen::Vector3d>& hips = {});
 
 /// Whether the root translation is missing or centred, rather than noisy: the hips hardly move, and
 /// even the slowest end of a foot moves faster.
@@ -73,8 +76,9 @@ struct DriftRule {
 /// is as smooth as within them, and the hips move smoothly without it. Iterative reweighting
 /// removes ends that only seemed to stand. A vertical drift is discarded if it moves stances away
 /// from one level.
-/// A vertical drift flattens steps and boxes of less than a few decimetres, because a foot counts
-/// as standing if it is lower than the other one.
+/// A vertical drift flattens steps and boxes if the stances differ by less than 0.15 m in height:
+/// noise and a step cannot be distinguished. Feet that the body carries do not stand
+/// (planted_parts.h).
 /// @param hips  hip positions by frame; world, metres
 [[nodiscard]] RootDrift find_root_drift(const SourceFeet& feet,
                                         const std::vector<Eigen::Vector3d>& hips,

@@ -1,6 +1,7 @@
 #include "human/gait/seats.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/math/segment.h"
@@ -15,12 +16,32 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Lengths in metres and speeds in m/s for a body with legs of kUsualSourceLeg.
-constexpr double kStillHips = 0.12;    // Speed.
-constexpr double kShortestSeat = 0.5;  // Seconds.
-constexpr double kLevelThigh = 0.6;    // Greatest sine of the slope of a sitting body's thigh.
-constexpr double kBehindFeet = 0.2;    // Of the hips and the trunk of a sitting body.
-constexpr double kSeatDepth = 0.13;    // From the joint of the hips to the skin.
-constexpr double kLowestSeat = 0.2;    // Lower hips rest on the floor.
+constexpr double kStillHips = 0.12;     // Speed.
+constexpr double kShortestSeat = 0.5;   // Seconds.
+constexpr double kLevelThigh = 0.6;     // Greatest sine of the slope of a sitting body's thigh.
+constexpr double kBehindFeet = 0.2;     // Of the hips and the trunk of a sitting body.
+constexpr double kSeatDepth = 0.13;     // From the joint of the hips to the skin.
+constexpr double kLowestSeat = 0.2;     // Lower hips rest on the floor.
+constexpr double kUprightTrunk = 0.75;  // Least sine of its slope.
+
+constexpr std::array kArms = {Bone::kLeftForeArm, Bone::kRightForeArm, Bone::kLeftHand,
+                              Bone::kRightHand};
+constexpr std::array kFeet = {Bone::kLeftFoot, Bone::kRightFoot, Bone::kLeftToe, Bone::kRightToe};
+
+// Whether limbs carry the trunk, as in a plank or a bridge: it is flat and lies away from the feet;
+// an elbow, a hand or its upper end and a foot are lower than a seat would be.
+bool limbs_carry(const HumanClipInfo& human, const HumanPose& pose, Bone top, double scale) {
+  const auto place = [&](Bone bone) -> const Vector3d& { return pose[bone].translation; };
+  const Vector3d& hips = place(Bone::kHips);
+  const Vector3d trunk = place(top) - hips;
+  if (trunk.z() > kUprightTrunk * trunk.norm()) return false;
+  const Vector3d feet = 0.5 * (place(Bone::kLeftFoot) + place(Bone::kRightFoot)) - hips;
+  if (trunk.head<2>().dot(feet.head<2>()) > 0.0) return false;
+  const auto is_low = [&](Bone bone) {
+    return human.has(bone) && place(bone).z() < hips.z() - kSeatDepth * scale;
+  };
+  return std::ranges::any_of(kFeet, is_low) && (is_low(top) || std::ranges::any_of(kArms, is_low));
+}
 
 // Whether the body sits in a pose: its thighs are level, and hips and trunk are behind the feet.
 // In a squat or a wide stance, the trunk is above the line between the feet.
@@ -68,7 +89,8 @@ std::vector<SeatRest> find_seats(const HumanClipInfo& human, const HumanPoseSour
   for (int frame = 0; frame < human.frame_count; ++frame) {
     poses(frame, pose);
     hips.push_back(pose[Bone::kHips].translation);
-    sitting.push_back(is_sitting(pose, top, scale, floor) ? 1 : 0);
+    const bool sits = is_sitting(pose, top, scale, floor) && !limbs_carry(human, pose, top, scale);
+    sitting.push_back(sits ? 1 : 0);
   }
   const auto at = [&](int frame) -> const Vector3d& {
     return hips[static_cast<std::size_t>(frame)];

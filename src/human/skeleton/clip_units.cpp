@@ -447,10 +447,10 @@ std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map) {
   std::vector<Warning> warnings;
   if (!map.has(Bone::kHips) || !is_long_enough(clip)) return warnings;
   const Body body(clip.skeleton(), map);
+  // Positions have no angles, and one unit.
   const bool is_made = !clip.origin().unknown_rotations.empty();
-  if (!is_made) {
-    if (auto warning = convert_radians(clip, body)) warnings.push_back(*std::move(warning));
-  }
+  if (is_made) return warnings;
+  if (auto warning = convert_radians(clip, body)) warnings.push_back(*std::move(warning));
   if (auto warning = check_root(clip, body)) warnings.push_back(*std::move(warning));
   return warnings;
 }
