@@ -65,5 +65,19 @@ TEST(FreeFall, IsNotDetectedInSupportedBodies) {
   }
 }
 
+// Smoothing rounds landings, so that the centre of mass follows parabolas that open upwards. Unlike
+// falls, they have differing accelerations.
+TEST(FreeFall, IsNotSmoothedLandings) {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0, 120);
+  constexpr double kRate = 2.0 * M_PI * 2.0;  // rad/s
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    // From 8.3 to 14.5 legs/s^2, legs of 84 cm.
+    const double acceleration = 700.0 + 520.0 * std::floor(frame / 15.0) / 7.0;
+    clip.translations(frame)[0].y() -=
+        acceleration / (kRate * kRate) * std::cos(kRate * frame / 30.0);
+  }
+  EXPECT_EQ(fall_of(clip), std::nullopt);
+}
+
 }  // namespace
 }  // namespace retarget
