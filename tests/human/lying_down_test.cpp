@@ -134,7 +134,7 @@ struct Variant {
   bool z_up;
 };
 
-Clip clip_of(const Script& script, const Layout& layout, const Variant& variant) {
+Clip lying_clip(const Script& script, const Layout& layout, const Variant& variant) {
   constexpr double kFps = 30.0;
   std::mt19937 random(7);
   // The sum of uniform numbers is the same with every library; its standard deviation is 1.
@@ -174,7 +174,9 @@ TEST(LyingDown, IsCorrectOrWarnedAbout) {
       for (const double noise : {0.0, 0.01}) {
         for (const double shift : {-0.6, 0.0, 0.6}) {
           for (const bool z_up : {false, true}) {
-            const Clip clip = clip_of(script, layout, {noise, shift, z_up});
+            // With Z up, the zero pose along y also states that the body stands.
+            if (z_up && layout.has_rotations) continue;
+            const Clip clip = lying_clip(script, layout, {noise, shift, z_up});
             const Calibration found = calibrated(clip);
             ++count;
             const bool is_right = found.up == SignedAxis{z_up ? 2 : 1, false};
@@ -193,7 +195,7 @@ TEST(LyingDown, IsCorrectOrWarnedAbout) {
 // A file in HumanML3D's format has y up by definition.
 TEST(LyingDown, UsesTheAxisThatTheFormatDefines) {
   for (const Script& script : kScripts) {
-    Clip clip = clip_of(script, kLayouts[0], {0.0, 0.0, false});
+    Clip clip = lying_clip(script, kLayouts[0], {0.0, 0.0, false});
     ClipOrigin origin = clip.origin();
     origin.up = Vector3d::UnitY();
     clip.set_origin(origin);

@@ -54,8 +54,8 @@ struct FloorEvidence {
   /// Whether the lowest joint's height varies much less than it does along another axis, where the
   /// hips sway, too. The hips of a lying body do not leave its floor.
   [[nodiscard]] bool is_steadier_than(const FloorEvidence& other) const;
-  /// Whether the body sinks into this floor, and much less into that of another axis: what lies or
-  /// stands on a floor never goes below it.
+  /// Whether the body sinks into this floor, and much less into that of another axis. No body goes
+  /// below the floor that carries it.
   [[nodiscard]] bool sinks_rather_than(const FloorEvidence& other) const;
 };
 
