@@ -289,5 +289,14 @@ TEST(ChooseUp, WarnsIfAZeroPoseHasAFloorToo) {
   EXPECT_THAT(choice.doubt, testing::HasSubstr("or lies on a floor perpendicular to +z"));
 }
 
+// A body that stands is not turned over by a fall the other way round, and the warning names both.
+TEST(ChooseUp, KeepsAStandingBodyUprightAgainstAFall) {
+  const Clip clip = recorded_clip("walk");
+  const UpChoice choice = chosen(clip, {{}, {}, {}, SignedAxis{1, true}});
+  EXPECT_EQ(choice.axis, SignedAxis{}) << to_text(choice.axis);
+  EXPECT_THAT(choice.doubt, testing::HasSubstr("point along +y, but the body falls along +y"));
+  EXPECT_EQ(chosen(clip, {{}, {}, {}, SignedAxis{}}).doubt, "");
+}
+
 }  // namespace
 }  // namespace retarget

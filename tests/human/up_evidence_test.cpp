@@ -65,5 +65,21 @@ TEST(FreeFall, IsNotDetectedInSupportedBodies) {
   }
 }
 
+// Smoothing rounds landings, so that the centre of mass follows parabolas that open upwards. Unlike
+// falls, they differ: the feet push the body forwards and backwards.
+TEST(FreeFall, IsNotSmoothedLandings) {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0, 240);
+  constexpr double kRate = 1.5, kAngular = 2.0 * M_PI * kRate;  // Landings per second, rad/s.
+  constexpr double kAcceleration = 1200.0, kSharp = 0.15;       // At a landing, cm/s^2.
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const double angle = kAngular * frame / 30.0;
+    const double height = -kAcceleration / (kAngular * kAngular * (1.0 + 4.0 * kSharp)) *
+                          (std::cos(angle) + kSharp * std::cos(2.0 * angle));
+    const double push = 0.4 * (std::fmod(std::floor(kRate * frame / 30.0 + 0.5), 3.0) - 1.0);
+    clip.translations(frame)[0] += Eigen::Vector3d(push * height, height, 0.0);
+  }
+  EXPECT_EQ(fall_of(clip), std::nullopt);
+}
+
 }  // namespace
 }  // namespace retarget

@@ -295,6 +295,7 @@ class PlacesReader {
     if (!usual) return no_motion_rate(file_);
     motion_.rate = frame_rate_from_fps(usual->fps);
     motion_.order_of_rate = usual->order;
+    if (usual->order == kHumanMlOrder) motion_.up = Eigen::Vector3d::UnitY();
     motion_.warnings.push_back(
         {0, 0,
          fmt::format("the file states no frame rate: assuming {:.0f} fps, as {}", usual->fps,

@@ -27,7 +27,8 @@ struct JointMotion {
   FrameRate rate;
   /// The rate is only the usual one of files with this joint order; empty: it is another one.
   std::string_view order_of_rate;
-  std::optional<double> height;  ///< Body height in metres, if the file has it.
+  std::optional<double> height;       ///< Body height in metres, if the file has it.
+  std::optional<Eigen::Vector3d> up;  ///< Up direction, if the format defines it.
   std::vector<Warning> warnings;
 
   [[nodiscard]] const Eigen::Vector3d& position(int frame, int joint) const {
@@ -50,6 +51,7 @@ struct JointMotion {
 ///
 /// The rate is read from `fps` or a similar array. Without one, the usual rate of the data set is
 /// assumed with a warning: 20 fps for the 22 joints of HumanML3D and MDM without names in the file,
+/// which have Y up by definition,
 /// 120 fps for holosoma's 53 joints, 30 fps for `global_joint_positions` and for Kimodo.
 /// Errors: other shapes, no frames, numbers that are not finite, no known rate, several motions
 /// without a choice, a wrong number of names.

@@ -322,6 +322,7 @@ JointMotion motion_of(const Clip& clip, const std::vector<std::vector<Vector3d>>
   motion.names = clip.skeleton().names();
   motion.rate = clip.rate();
   motion.height = clip.origin().body_height;
+  motion.up = clip.origin().up;
   for (std::size_t frame = 0; frame < tracks.front().size(); ++frame) {
     for (const auto& track : tracks) motion.positions.push_back(track[frame]);
   }

@@ -99,9 +99,10 @@ class RotationMaker {
  public:
   explicit RotationMaker(const JointTree& tree) : tree_(tree) {}
 
-  // Returns rotations that are identity in the T-pose.
-  WorldRotations make(FrameRate rate) {
+  // Returns rotations that are identity in the T-pose. @param origin  of the positions
+  WorldRotations make(FrameRate rate, const ClipOrigin& origin) {
     Clip raw = raw_clip(rate);
+    raw.set_origin(origin);
     BoneMap map;
     map.profile = "names";
     map.joint_of_bone = tree_.joint_of_bone;
@@ -396,11 +397,12 @@ Result<Clip> clip_of_joints(const JointMotion& motion, const std::string& name) 
   ClipOrigin origin;
   origin.name = name;
   origin.body_height = motion.height;
+  origin.up = motion.up;
   origin.warnings = motion.warnings;
   WorldRotations world;
   if (motion.rotations.empty() || !found.tree.made.empty()) {
     RotationMaker maker(found.tree);
-    world = maker.make(motion.rate);
+    world = maker.make(motion.rate, origin);
     origin.unknown_rotations = maker.unknown();
     const auto said = warnings_of(found, origin.unknown_rotations);
     origin.warnings.insert(origin.warnings.end(), said.begin(), said.end());

@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
 #include "base/option_name.h"
 #include "human/skeleton/up_evidence.h"
+#include "human/skeleton/up_guess.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
-#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {
@@ -21,117 +20,11 @@ namespace {
 // negative axes, which files rarely use as up.
 constexpr double kPlainly = 0.5, kMinCertainty = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
 
+// The hips of a lying body are lower than those of a standing one, by this share of a leg.
+constexpr double kLowerHips = 0.2;
+
 // Up axes of files.
 constexpr std::array kCommonAxes = {SignedAxis{1, false}, SignedAxis{2, false}};
-
-// y counts as up if it scores at least this share of the best axis.
-constexpr double kCustomShare = 0.7;
-
-// End joints of the legs: ankles, or knees if there are no ankles.
-std::vector<int> feet_of(const Body& body) {
-  std::vector<int> feet;
-  for (const LimbBone part : {LimbBone::kFoot, LimbBone::kLeg}) {
-    for (const Side side : kSides) {
-      const int joint = body.joint(side_bone(side, part));
-      if (joint >= 0) feet.push_back(joint);
-    }
-    if (!feet.empty()) break;
-  }
-  return feet;
-}
-
-// Mean of the unit vectors from feet to hips and from hips to head.
-Eigen::Vector3d upward(const Body& body, const JointPoses& pose, const std::vector<int>& feet) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  if (const auto trunk = trunk_direction(body, pose)) sum += *trunk;
-  for (const int foot : feet) {
-    const Eigen::Vector3d leg = pose[body.joint(Bone::kHips)].translation - pose[foot].translation;
-    // normalized() leaves a zero vector unchanged.
-    sum += leg.normalized() / static_cast<double>(feet.size());
-  }
-  return 0.5 * sum;
-}
-
-// Levels of the lowest joint along a direction, by pose.
-std::vector<double> lowest_levels(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
-  std::vector<double> lowest;
-  for (const JointPoses& pose : poses) {
-    double min = std::numeric_limits<double>::infinity();
-    for (const Pose& joint : pose) min = std::min(min, up.dot(joint.translation));
-    lowest.push_back(min);
-  }
-  return lowest;
-}
-
-double size_of(const Body& body) {
-  double size = 0.0;
-  for (const Bone bone : {Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kRightUpLeg, Bone::kRightLeg}) {
-    size += 0.5 * length_by_offsets(body, bone);
-  }
-  return size;
-}
-
-// Variation of the lowest joint's level along an axis: tenth to fiftieth percentile of the poses,
-// which excludes jumps; in legs, at most 1.
-double floor_wander(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
-  const double leg = size_of(body);
-  const std::vector<double> lowest = lowest_levels(poses, up.direction());
-  if (leg <= 0.0 || lowest.empty()) return 0.0;
-  return std::min((median(lowest) - percentile(lowest, 10.0)) / leg, 1.0);
-}
-
-// Whether the body is on a floor at height 0 along an axis: in half of the poses, the lowest joint
-// is within a fifth of a leg's length of it, as in nearly all recordings along the up axis.
-bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
-  constexpr double kNear = 0.2;  // Share of a leg.
-  const std::vector<double> lowest = lowest_levels(poses, up.direction());
-  return !lowest.empty() && std::abs(median(lowest)) <= kNear * size_of(body);
-}
-
-// Guess of the up axis from the movement: on average over the poses, the head stays above the hips
-// and the hips above the feet, and the lowest joint varies least. y, the convention of BVH, wins if
-// it scores nearly as well as the best axis, or if the body lies: the lowest joint then varies much
-// less along y than along the best axis.
-struct UpGuess {
-  SignedAxis axis;
-  double certainty = 0.0;  // Mean cosine between the axis and the trunk and legs.
-};
-
-UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  const std::vector<int> feet = feet_of(body);
-  for (const JointPoses& pose : poses) mean += upward(body, pose, feet);
-  mean /= static_cast<double>(std::max<std::size_t>(poses.size(), 1));
-
-  // A floor that varies by a whole leg counts as much as a trunk that leans by 60 degrees.
-  const auto floor = [&](const SignedAxis& axis) { return floor_wander(body, poses, axis); };
-  const auto score = [&](const SignedAxis& axis) {
-    return mean.dot(axis.direction()) - 0.5 * floor(axis);
-  };
-  SignedAxis best;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const bool negative : {false, true}) {
-      if (score({axis, negative}) > score(best)) best = {axis, negative};
-    }
-  }
-  const SignedAxis custom;
-  const bool is_near = score(custom) > 0.0 && score(custom) >= kCustomShare * score(best);
-  // For a lying body nothing stands along y, but the floor is constant there.
-  const bool lies = mean.dot(custom.direction()) > -0.3 && floor(best) > 0.02 &&
-                    floor(custom) < 0.4 * floor(best);
-  if (is_near || lies) best = custom;
-  return {best, mean.dot(best.direction())};
-}
-
-// Whether the lowest joint stays at height 0 along the guessed axis alone.
-bool floor_supports(const Body& body, const std::vector<JointPoses>& poses,
-                    const SignedAxis& guessed, const SignedAxis& other) {
-  constexpr double kStill = 0.1;  // Share of a leg.
-  const auto has_floor = [&](const SignedAxis& axis) {
-    return is_on_floor(body, poses, axis) && floor_wander(body, poses, axis) < kStill;
-  };
-  return has_floor(guessed) && !has_floor(other);
-}
 
 // A declared up axis and its source.
 struct Declared {
@@ -141,6 +34,10 @@ struct Declared {
 
 std::string taken_text(const SignedAxis& axis) {
   return "using " + to_text(axis) + " as the up axis; override it with " OPTION("up");
+}
+
+SignedAxis opposite(const SignedAxis& axis) {
+  return {axis.axis, !axis.negative};
 }
 
 class UpChooser {
@@ -175,9 +72,15 @@ class UpChooser {
     return guess_.certainty > kPlainly && clearly_stands(floor(guess_.axis), floor(other));
   }
 
+  // Whether the body is on a floor at height 0, or may rest on one.
+  [[nodiscard]] bool may_have_floor(const SignedAxis& axis) const {
+    const FloorEvidence along = floor(axis);
+    return along.on_floor() || along.may_rest();
+  }
+
   // Whether the lowest joint stays at height 0 along the first axis only.
   [[nodiscard]] bool has_floor_rather_than(const SignedAxis& axis, const SignedAxis& other) const {
-    return floor(axis).on_floor() && !floor(other).on_floor();
+    return floor(axis).on_floor() && !may_have_floor(other);
   }
 
   // Whether the body travels along an axis, and much less along the other two. On stairs and slopes
@@ -220,10 +123,10 @@ class UpChooser {
 
   // Whether the body, which seems to stand along an axis, may lie or crawl along the other one.
   [[nodiscard]] bool may_lie_along(const SignedAxis& other, const SignedAxis& axis) const {
-    constexpr double kLower = 0.2;  // Legs.
     const FloorEvidence along = floor(axis), rival = floor(other);
     if (!along.on_floor()) return rival.resting() || (along.is_far() && rival.may_rest());
-    return rival.resting() && rival.hips < along.hips - kLower && guess_.certainty < kBeyondDoubt;
+    return rival.resting() && rival.hips < along.hips - kLowerHips &&
+           guess_.certainty < kBeyondDoubt;
   }
 
   // A common axis along which the body may lie or crawl instead.
@@ -241,14 +144,18 @@ class UpChooser {
                         to_text(standing), to_text(lying), taken_text(taken))};
   }
 
-  // The common axis with a floor, if the body seems to stand along an axis that files rarely use,
-  // but is not clearly upright on a floor there.
+  [[nodiscard]] bool guesses_common_axis() const {
+    return std::ranges::count(kCommonAxes, guess_.axis) > 0;
+  }
+
+  // The common axis with a floor, if the body seems to stand along an axis that files rarely use.
+  // A body that is clearly upright on a floor there must rest on the other one.
   [[nodiscard]] std::optional<UpChoice> lying_rather(const SignedAxis& known) const {
-    const bool is_common = std::ranges::count(kCommonAxes, guess_.axis) > 0;
-    const bool stands = floor(guess_.axis).on_floor() && guess_.certainty > kBeyondDoubt;
-    if (is_common || stands || known_.of_fall) return std::nullopt;
-    const auto lying = floor(known).on_floor() ? std::optional(known) : axis_of_floor(known);
+    if (guesses_common_axis() || known_.of_fall) return std::nullopt;
+    const auto lying = may_have_floor(known) ? std::optional(known) : axis_of_floor(known);
     if (!lying) return std::nullopt;
+    const bool stands = floor(guess_.axis).on_floor() && guess_.certainty > kBeyondDoubt;
+    if (stands && !floor(*lying).resting()) return std::nullopt;
     return standing_or_lying(guess_.axis, *lying, *lying);
   }
 
@@ -270,9 +177,8 @@ class UpChooser {
     // seems to climb.
     if (known_.of_fall == up) return {up, {}};
     if (known_.of_fall) {
-      const SignedAxis down = {known_.of_fall->axis, !known_.of_fall->negative};
       return kept(fmt::format("{} has {} up, but the body falls along {}", declared.source,
-                              to_text(up), to_text(down)));
+                              to_text(up), to_text(opposite(*known_.of_fall))));
     }
     if (rises_most_along(up)) {
       return kept(fmt::format("the body climbs along {}, or swims or crawls", to_text(up)));
@@ -297,7 +203,7 @@ class UpChooser {
 
   [[nodiscard]] UpChoice by_file(const Declared& file) const {
     const bool is_false =
-        guess_.axis != file.axis && stands_rather_than(file.axis) && !floor(file.axis).on_floor();
+        guess_.axis != file.axis && stands_rather_than(file.axis) && !may_have_floor(file.axis);
     return is_false ? standing_against(file) : keep(file);
   }
 
@@ -330,7 +236,7 @@ class UpChooser {
   [[nodiscard]] UpChoice by_zero_pose(const Declared& zero) const {
     const double plainly = guess_.axis.negative ? kPlainlyNegative : kPlainly;
     if (guess_.certainty < kMinCertainty) {
-      const bool turned = floor_supports(body_, poses_, guess_.axis, zero.axis);
+      const bool turned = has_floor_rather_than(guess_.axis, zero.axis);
       const SignedAxis axis = turned ? guess_.axis : zero.axis;
       return {axis, "the body is rarely upright: " + taken_text(axis)};
     }
@@ -341,9 +247,7 @@ class UpChooser {
       if (!floor(zero.axis).resting()) return {guess_.axis, {}};
       return standing_or_lying(guess_.axis, zero.axis, guess_.axis);
     }
-    const bool has_floor = is_upright ? has_floor_rather_than(guess_.axis, zero.axis)
-                                      : floor_supports(body_, poses_, guess_.axis, zero.axis);
-    return has_floor ? standing_against(zero) : keep(zero);
+    return has_floor_rather_than(guess_.axis, zero.axis) ? standing_against(zero) : keep(zero);
   }
 
   // Whether the floor shows that a file was rotated from its kind's axis to that of its zero pose.
@@ -362,13 +266,42 @@ class UpChooser {
                                     zero.source, to_text(zero.axis), taken_text(taken.axis))};
   }
 
+  // A body that tumbles or dives falls along any of its axes. One that stands is never turned over:
+  // a landing in a smoothed recording resembles a fall the other way round.
+  [[nodiscard]] UpChoice by_fall(const SignedAxis& up) const {
+    if (guess_.axis == up || guess_.certainty < kMinCertainty) return {up, {}};
+    const bool stands = guess_.certainty > kPlainly && floor(guess_.axis).standing();
+    const SignedAxis taken = stands ? guess_.axis : up;
+    return {taken, fmt::format("trunk and legs point along {}, but the body falls along {}: {}",
+                               to_text(guess_.axis), to_text(opposite(up)), taken_text(taken))};
+  }
+
+  // Chooses between the guessed axis and a common one along which the body may lie. Only a body that
+  // is upright all the time, on a floor that is much steadier than the other one, certainly stands.
+  [[nodiscard]] std::optional<UpChoice> lying_instead() const {
+    const FloorEvidence along = floor(guess_.axis);
+    const bool is_upright = guesses_common_axis() && along.on_floor() && along.standing() &&
+                            guess_.certainty > kBeyondDoubt;
+    for (const SignedAxis& other : kCommonAxes) {
+      const FloorEvidence rival = floor(other);
+      if (other.axis == guess_.axis.axis || !rival.may_rest()) continue;
+      if (rival.hips > along.hips - kLowerHips) continue;
+      if (is_upright && along.is_steadier_than(rival)) continue;
+      const bool is_convention = guess_.axis == SignedAxis{};
+      const bool stays = (is_convention || is_upright) && !along.sinks_rather_than(rival);
+      return standing_or_lying(guess_.axis, other, stays ? guess_.axis : other);
+    }
+    return std::nullopt;
+  }
+
   [[nodiscard]] UpChoice by_movement() const {
-    if (known_.of_fall) return {*known_.of_fall, {}};
+    if (known_.of_fall) return by_fall(*known_.of_fall);
     UpChoice choice{guess_.axis, {}};
     if (guess_.certainty < kMinCertainty) {
       choice.doubt = "the body is rarely upright: " + taken_text(choice.axis);
       return choice;
     }
+    if (auto lying = lying_instead()) return *std::move(lying);
     const FloorEvidence upright = floor(guess_.axis);
     if (upright.on_floor()) return choice;
     const auto other = axis_of_floor(guess_.axis);

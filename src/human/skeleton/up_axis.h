@@ -28,8 +28,8 @@ struct UpChoice {
 /// do handstands. To overrule, the body must also stand on a floor (clearly_stands), the lowest
 /// joint must climb along the known axis, or the body must fall along the guessed one. The choice
 /// has a warning if evidence disagrees. Without other knowledge the motion decides, by the
-/// directions of trunk and legs and the range of the lowest joint; without poses the result is y,
-/// by convention.
+/// directions of trunk and legs and the range of the lowest joint, and by a fall, which does not turn
+/// over a body that stands; without poses the result is y, by convention.
 [[nodiscard]] UpChoice choose_up(const Body& body, const std::vector<JointPoses>& poses,
                                  const KnownUp& known);
 

@@ -1,5 +1,6 @@
 #include "human/skeleton/up_evidence.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,6 +55,28 @@ CentreTrack centre_track(const Clip& clip, const Body& body, int begin, double l
   return track;
 }
 
+// The accelerations of the sections in which the centre of mass follows a parabola like that of a
+// fall.
+std::vector<Vector3d> falls_of(const CentreTrack& track) {
+  constexpr double kLeast = 9.0, kMost = 16.0;  // Legs/s^2.
+  constexpr double kMaxResidual = 0.03;         // Share of the parabola's height.
+  std::vector<Vector3d> falls;
+  const auto half = static_cast<std::size_t>(free_fall_reach(track.step));
+  if (half == 0) return falls;
+  const double reach = static_cast<double>(half) * track.step;
+  const std::size_t length = 2 * half + 1;
+  for (std::size_t first = 0; first + length <= track.places.size(); ++first) {
+    const Parabola parabola =
+        fit_parabola(std::span(track.places).subspan(first, length), track.step);
+    const double strength = parabola.acceleration.norm();
+    if (strength > kLeast && strength < kMost &&
+        parabola.residual <= kMaxResidual * 0.5 * strength * reach * reach) {
+      falls.push_back(parabola.acceleration);
+    }
+  }
+  return falls;
+}
+
 }  // namespace
 
 double leg_length(const Body& body) {
@@ -70,30 +93,25 @@ double leg_length(const Body& body) {
 }
 
 std::optional<SignedAxis> free_fall_axis(const Clip& clip, const Body& body, int begin) {
-  constexpr double kLeast = 9.0, kMost = 16.0;  // Legs/s^2.
-  constexpr double kMaxResidual = 0.03;         // Share of the parabola's height.
   constexpr double kMinFlight = 0.25, kMinCoherence = 0.75, kMinCosine = 0.9;
+  constexpr double kSame = 0.25;  // Deviation from the median acceleration, as a share of it.
   const double leg = leg_length(body);
   if (leg <= 0.0 || !body.has(Bone::kHips)) return std::nullopt;
   const CentreTrack track = centre_track(clip, body, begin, leg);
-  const auto half = static_cast<std::size_t>(free_fall_reach(track.step));
-  if (half == 0) return std::nullopt;
-  const double reach = static_cast<double>(half) * track.step;
-  const std::size_t length = 2 * half + 1;
-  Vector3d sum = Vector3d::Zero();
-  int flying = 0;
-  for (std::size_t first = 0; first + length <= track.places.size(); ++first) {
-    const Parabola parabola =
-        fit_parabola(std::span(track.places).subspan(first, length), track.step);
-    const double strength = parabola.acceleration.norm();
-    if (!(strength > kLeast && strength < kMost) ||
-        parabola.residual > kMaxResidual * 0.5 * strength * reach * reach) {
-      continue;
-    }
-    sum -= parabola.acceleration / strength;
-    ++flying;
+  const std::vector<Vector3d> falls = falls_of(track);
+  Vector3d sum = Vector3d::Zero(), gravity = Vector3d::Zero();
+  for (const Vector3d& fall : falls) sum -= fall.normalized();
+  const auto count = static_cast<double>(falls.size());
+  if (falls.empty() || sum.norm() < kMinCoherence * count) return std::nullopt;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> parts;
+    for (const Vector3d& fall : falls) parts.push_back(fall[axis]);
+    gravity[axis] = median(parts);
   }
-  if (flying * track.step < kMinFlight || sum.norm() < kMinCoherence * flying) return std::nullopt;
+  const auto same = std::ranges::count_if(falls, [&](const Vector3d& fall) {
+    return (fall - gravity).norm() < kSame * gravity.norm();
+  });
+  if (static_cast<double>(same) * track.step < kMinFlight) return std::nullopt;
   const SignedAxis up = nearest_axis(sum);
   if (up.direction().dot(sum.normalized()) < kMinCosine) return std::nullopt;
   return up;
@@ -125,17 +143,28 @@ bool FloorEvidence::on_floor() const {
 bool FloorEvidence::resting() const {
   // Recorded joints sink into the floor by centimetres.
   constexpr double kSinks = 0.1;
-  return on_floor() && level >= -kSinks && is_moving;
+  return on_floor() && level >= -kSinks && is_placed;
 }
 
 bool FloorEvidence::may_rest() const {
   constexpr double kSteadyEnough = 0.2;
-  return std::abs(level) <= kNearFloor && wander < kSteadyEnough && is_moving;
+  return std::abs(level) <= kNearFloor && wander < kSteadyEnough && is_placed;
 }
 
 bool FloorEvidence::is_far() const {
   constexpr double kFar = 0.5;
   return std::abs(level) > kFar;
+}
+
+bool FloorEvidence::is_steadier_than(const FloorEvidence& other) const {
+  constexpr double kStill = 0.02, kMuchLess = 0.4;
+  const double others = std::min(other.span, other.sway);
+  return others > kStill && span < kMuchLess * others;
+}
+
+bool FloorEvidence::sinks_rather_than(const FloorEvidence& other) const {
+  constexpr double kSinks = 0.2, kMuchLess = 0.5;
+  return depth > kSinks && other.depth < kMuchLess * depth;
 }
 
 bool FloorEvidence::standing() const {
@@ -149,7 +178,8 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
   const double leg = leg_length(body);
   if (leg <= 0.0 || poses.empty() || !body.has(Bone::kHips)) return found;
   const Eigen::Vector3d direction = up.direction();
-  std::vector<double> levels, hips, roots;
+  std::vector<double> levels, hips, places;
+  Eigen::AlignedBox3d roots;
   int flat = 0, seen = 0;
   for (const JointPoses& pose : poses) {
     const auto height = [&](Bone bone) {
@@ -160,8 +190,9 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
       if (body.has(bone)) lowest = std::min(lowest, height(bone));
     }
     levels.push_back(lowest);
-    roots.push_back(height(Bone::kHips));
-    hips.push_back(roots.back() - lowest);
+    roots.extend(pose[body.joint(Bone::kHips)].translation / leg);
+    places.push_back(height(Bone::kHips));
+    hips.push_back(places.back() - lowest);
     bool is_flat = false, is_seen = false;
     for (const Side side : kSides) {
       const Bone ankle = side_bone(side, LimbBone::kFoot);
@@ -176,8 +207,13 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
   }
   found.level = median(levels);
   found.wander = found.level - percentile(levels, 10.0);
+  found.depth = found.level - percentile(levels, 3.0);
+  found.span = percentile(levels, 90.0) - percentile(levels, 10.0);
+  found.sway = percentile(places, 90.0) - percentile(places, 10.0);
   found.hips = median(hips);
-  found.is_moving = percentile(roots, 100.0) - percentile(roots, 0.0) > kMotionless;
+  const bool rests = roots.sizes().maxCoeff() <= kMotionless;
+  found.is_placed = rests ? std::abs(direction.dot(roots.center())) > kMotionless
+                          : roots.sizes()[up.axis] > kMotionless;
   if (seen > 0) found.flat = static_cast<double>(flat) / seen;
   return found;
 }

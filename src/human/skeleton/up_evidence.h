@@ -10,8 +10,8 @@
 namespace retarget {
 
 /// Finds the up axis from free fall: in flight, the centre of mass has a constant acceleration
-/// along gravity. Returns nothing if the clip has less than a quarter of a second of flight, or if
-/// the directions differ.
+/// along gravity. Returns nothing if the clip has less than a quarter of a second of flight with
+/// the same acceleration. Smoothed landings also resemble parabolas, but of differing accelerations.
 ///
 /// Lengths are in legs, so the unit is not needed: gravity is 9 to 16 legs/s^2 for legs of 1.1 to
 /// 0.6 m.
@@ -27,23 +27,36 @@ namespace retarget {
 struct FloorEvidence {
   double wander =
       0.0;  ///< Range of the lowest joint's height between its tenth and fiftieth percentiles.
+  double depth =
+      0.0;            ///< How far the lowest joint goes below its median height (third percentile).
+  double span = 0.0;  ///< Range of the lowest joint's height, tenth to ninetieth percentile.
+  double sway = 0.0;  ///< Range of the hips' positions along the axis, same percentiles.
   double level = 0.0;  ///< Median height of the lowest joint.
   double hips = 0.0;   ///< Median height of the hips above the lowest joint.
   /// Share of the poses in which a foot stands flat near the lowest joint. Empty: the foot
   /// directions are unknown.
   std::optional<double> flat;
-  bool is_moving = false;  ///< Whether the hips move along the axis. False in centred motions.
+  /// Whether the hips have positions along the axis: they move along it, or rest away from 0 in a
+  /// clip in which they do not move at all. False in centred motions.
+  bool is_placed = false;
 
   /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
   [[nodiscard]] bool on_floor() const;
-  /// Whether the body rests on a floor at height 0: no joint is far below it, and the hips move.
+  /// Whether the body rests on a floor at height 0: no joint is far below it, and the hips have
+  /// positions.
   [[nodiscard]] bool resting() const;
-  /// Weaker than resting(): the lowest joint is near height 0, and the hips move.
+  /// Weaker than resting(): the lowest joint is near height 0, and the hips have positions.
   [[nodiscard]] bool may_rest() const;
   /// Whether the lowest joint is far from height 0.
   [[nodiscard]] bool is_far() const;
   /// Whether the hips are at standing height above flat feet.
   [[nodiscard]] bool standing() const;
+  /// Whether the lowest joint's height varies much less than it does along another axis, where the
+  /// hips sway, too. The hips of a lying body do not leave its floor.
+  [[nodiscard]] bool is_steadier_than(const FloorEvidence& other) const;
+  /// Whether the body sinks into this floor, and much less into that of another axis. No body goes
+  /// below the floor that carries it.
+  [[nodiscard]] bool sinks_rather_than(const FloorEvidence& other) const;
 };
 
 /// Returns zeros if the legs have no length.
