@@ -166,7 +166,7 @@ struct FitOptions {
   double contact_height_weight = 400.0;
   /// Weight of the distance from a knee, elbow, hand, seat or back in contact to its anchor, per
   /// metre.
-  double body_contact_weight = 480.0;
+  double body_contact_weight = 490.0;
   /// Weight of the height of these bodies above the floor, per metre.
   double body_contact_height_weight = 280.0;
 
@@ -188,7 +188,7 @@ struct FitOptions {
   double scene_margin = 0.004;  ///< Clearance from other bodies of the scene below which links are
                                 ///< penalised, metres.
 
-  double self_collision_weight = 550.0;  ///< Weight of the overlap of two shapes, per metre.
+  double self_collision_weight = 500.0;  ///< Weight of the overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Distance below which two shapes are penalised, metres.
 
   /// Weight of the depth inside the margin before a joint limit (3 % of the range), relative to the
