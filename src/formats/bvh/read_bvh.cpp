@@ -200,8 +200,7 @@ Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleto
 
 void BvhReader::warn_about_rate(const MotionHeader& header, const Clip& clip) {
   if (const auto odd = odd_rate_text(clip.rate(), clip.frame_count())) {
-    warnings_.push_back(
-        source_.warning_at(header.frame_time_place, "Frame Time gives " + *odd));
+    warnings_.push_back(source_.warning_at(header.frame_time_place, "Frame Time gives " + *odd));
   }
 }
 

@@ -265,8 +265,7 @@ class LostPoints {
 
   // Whether other joints have markers, too, in all of these frames.
   [[nodiscard]] bool is_certain(int begin, int end) const {
-    return std::find(marked_.begin() + begin, marked_.begin() + end, 0) ==
-           marked_.begin() + end;
+    return std::find(marked_.begin() + begin, marked_.begin() + end, 0) == marked_.begin() + end;
   }
 
   // Whether most other joints move much less: a calibration pose at the origin is a jump of all.
@@ -307,10 +306,10 @@ void bridge_lost_points(JointMotion& motion) {
   if (joints.empty()) return;
   motion.warnings.push_back(
       {0, 0,
-       fmt::format("{} untracked (NaN, or three equal coordinates such as 0) in up to {} of {} frames, "
-                   "interpolated or held: {}",
-                   count_text(joints.size(), "joint"), most, motion.frame_count,
-                   list_names(joints, 8))});
+       fmt::format(
+           "{} untracked (NaN, or three equal coordinates such as 0) in up to {} of {} frames, "
+           "interpolated or held: {}",
+           count_text(joints.size(), "joint"), most, motion.frame_count, list_names(joints, 8))});
 }
 
 }  // namespace retarget

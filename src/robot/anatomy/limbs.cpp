@@ -213,7 +213,7 @@ std::optional<double> LimbFinder::outward_angle(const LimbShape& leg, double sid
     spread += (point - centre) * (point - centre).transpose();
   }
   const double along = spread(0, 0) - spread(1, 1), across = 2.0 * spread(0, 1);
-  const double difference = std::hypot(along, across), sum = spread.trace();
+  const double difference = std::sqrt(along * along + across * across), sum = spread.trace();
   if (!(sum + difference > kLong * kLong * (sum - difference))) return std::nullopt;
   return 0.5 * portable::atan2(across, along);
 }

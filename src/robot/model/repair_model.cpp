@@ -152,7 +152,7 @@ bool keeps_upright(const XMLElement& joint) {
   return !(numbers >> roll >> pitch) || (roll == 0.0 && pitch == 0.0);
 }
 
-// The first link that is no joint's child; null: none.
+// The first link without a joint above it; null: none.
 XMLElement* root_link(XMLElement& robot) {
   for (XMLElement* link : children_of(robot, "link")) {
     if (joint_from(robot, "child", attribute_of(link, "name")) == nullptr) return link;
@@ -329,10 +329,10 @@ std::optional<std::string> ModelRepair::drop_links_above_base() {
     robot.DeleteChild(link);
   }
   if (names.empty()) return std::nullopt;
-  notes_.push_back(fmt::format(
-      "{} above the base {} no mass and {} omitted: the root of motions is \"{}\"",
-      (names.size() == 1 ? "the link " : "the links ") + list_names(names, 3),
-      names.size() == 1 ? "has" : "have", names.size() == 1 ? "is" : "are", base));
+  notes_.push_back(
+      fmt::format("{} above the base {} no mass and {} omitted: the root of motions is \"{}\"",
+                  (names.size() == 1 ? "the link " : "the links ") + list_names(names, 3),
+                  names.size() == 1 ? "has" : "have", names.size() == 1 ? "is" : "are", base));
   return text();
 }
 

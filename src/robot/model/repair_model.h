@@ -28,7 +28,7 @@ class ModelRepair {
   /// @return the changed XML; nothing if the error concerns kinematics.
   [[nodiscard]] std::optional<std::string> repair(const std::string& complaint);
 
-  /// Removes links of a URDF above the robot's base: without mass, and fixed to a single link, which
+  /// Removes links of a URDF above the base: without mass, and fixed to a single link, which
   /// they do not tilt (ROS' base_footprint). The root of motions is then the base.
   /// @return the changed XML; nothing if there are none.
   [[nodiscard]] std::optional<std::string> drop_links_above_base();

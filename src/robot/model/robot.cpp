@@ -161,7 +161,7 @@ double Robot::speed_limit(int joint) const {
   const auto found = profile_.speed_limits.find(of.name);
   if (found != profile_.speed_limits.end()) return found->second;
   return of.type == RobotJoint::Type::kHinge ? profile_.default_speed_limit
-                                            : kDefaultSlideSpeedLimit;
+                                             : kDefaultSlideSpeedLimit;
 }
 
 double Robot::torque_limit(int joint) const {

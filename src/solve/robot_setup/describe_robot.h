@@ -24,7 +24,7 @@ struct RobotFindings {
   const RetargetingConfig& config;
   const SelfTest& self_test;
   const RobotHands& hands;
-  const std::map<std::string, double>& speeds;  ///< Speed limits of joints in the model.
+  const std::map<std::string, double>& speeds;  ///< Joint speed limits of the model.
   std::string source;                           ///< File name of the model.
 };
 
