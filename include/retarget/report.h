@@ -225,9 +225,8 @@ struct QualityReport {
   /// Leg length of the robot (hip to knee to ankle), metres; needs a source and a configuration.
   std::optional<double> leg;
   int speed_limits_given = 0;        ///< Output joints with a speed limit in the robot's profile.
-  int speed_limits_assumed = 0;      ///< Output joints without one; hinges among them are compared
-                                     ///< with assumed_speed_limit.
-  double assumed_speed_limit = 0.0;  ///< rad/s.
+  int speed_limits_assumed = 0;      ///< Output joints without one; compared with the defaults.
+  double assumed_speed_limit = 0.0;  ///< Default of hinges, rad/s.
   /// Method by which the soles were estimated; feet may then float or sink although their gates
   /// pass. Empty: the soles are not estimated, or the robot has a fixed base.
   std::string estimated_soles;

@@ -84,8 +84,11 @@ struct CollisionShape {
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
 };
 
-/// rad/s; for joints without a published speed limit.
+/// rad/s; for hinges without a published speed limit.
 inline constexpr double kDefaultSpeedLimit = 20.0;
+/// m/s; for slides without a published speed limit. The URDF of Fetch has 0.1 for the lift of the
+/// trunk and 0.05 for the fingers.
+inline constexpr double kDefaultSlideSpeedLimit = 1.0;
 
 /// A robot with fewer joints, as sold by its maker or used by a training framework: some are
 /// locked, or it has its own model without them.
@@ -205,7 +208,7 @@ class Robot {
   /// Name of a method's default limit set.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
   /// Speed limit of a joint, rad/s or m/s: from the profile, else the profile's default for hinges
-  /// and infinity for slides.
+  /// and kDefaultSlideSpeedLimit for slides.
   /// @param joint  index into joints().
   [[nodiscard]] double speed_limit(int joint) const;
   /// Torque limit of a hinge, N m, or force limit of a slide, N: from the profile, else from the

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "live/live_sample.h"
 #include "support/counted_allocations.h"
@@ -89,6 +90,45 @@ TEST(LiveFrames, StartUpsideDown) {
     ASSERT_FALSE(frames.empty());
     EXPECT_GT(frames.back()[2], 0.5);
     EXPECT_LT(frames.back()[2], 0.8);
+  }
+}
+
+// Height of the root at the end of a stream whose human is raised by `height_at(seconds)`, of a
+// sender whose clock has this rate.
+double last_height(const Plan& plan, double rate, const std::function<double(double)>& height_at) {
+  const HumanClip human = human_of(plan);
+  LiveSession session = session_of(plan, LiveOptions());
+  double height = 0.0;
+  for (int i = 0; i < 2 * human.frame_count; ++i) {
+    // The clip forwards, then backwards.
+    const int last = human.frame_count - 1, frame = i <= last ? i : 2 * last + 1 - i;
+    HumanPose pose = human.frame(frame);
+    const double time = human.rate.time_of(i);
+    for (Pose& bone : pose) bone.translation.z() += height_at(time);
+    session.push({time, pose}, time / rate);
+    while (const auto robot = session.pull(time / rate)) height = robot->qpos[2];
+  }
+  return height;
+}
+
+// The floor follows a jump of the world, but not a jump of the human, also with slow and fast
+// clocks.
+TEST(LiveFrames, FloorFollowsJumpsOfTheWorld) {
+  const Plan plan = sample_plan("walk", Method::kFit);
+  const double end = 2.0 * human_of(plan).rate.time_of(human_of(plan).frame_count);
+  for (const double rate : {0.5, 1.0, 2.0}) {
+    const double level = last_height(plan, rate, [](double) { return 0.0; });
+    for (const double jump : {-0.3, 0.15, 0.3}) {
+      const auto after = [&](double time) { return time < end - 6.0 * rate ? 0.0 : jump; };
+      EXPECT_NEAR(last_height(plan, rate, after), level, 0.02) << rate << ", " << jump;
+    }
+    for (const double speed : {1.0, 1.5, 2.5}) {
+      const auto hop = [&](double time) {
+        const double air = time - (end - 2.0 * speed / 9.81 - 0.1);
+        return std::max(0.0, speed * air - 0.5 * 9.81 * air * air);
+      };
+      EXPECT_NEAR(last_height(plan, rate, hop), level, 0.02) << rate << ", " << speed;
+    }
   }
 }
 

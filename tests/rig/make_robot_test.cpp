@@ -16,6 +16,7 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 namespace fs = std::filesystem;
 
@@ -330,6 +331,58 @@ TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   // The fixed hand is a separate body, the trunk one body.
   EXPECT_TRUE((*robot)->find_body("l_hand"));
   EXPECT_THAT(made->config, HasSubstr("\"l_hand\": [\"LeftHand\""));
+}
+
+// Links without mass above the base do not become the root.
+TEST(MakeRobot, TheBaseOfAUrdfIsItsFirstLinkWithMass) {
+  const auto below = [](const std::string& rpy) {
+    std::string text = tiny_urdf();
+    replace(text, "<robot name=\"tiny\">",
+            "<robot name=\"tiny\"><link name=\"base_footprint\"/><link name=\"base_link\"/>"
+            "<joint name=\"a\" type=\"fixed\"><parent link=\"base_footprint\"/>"
+            "<child link=\"base_link\"/></joint>"
+            "<joint name=\"b\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"base\"/>"
+            "<origin xyz=\"0 0 0.8\" rpy=\"" +
+                rpy + "\"/></joint>");
+    return text;
+  };
+  const TemporaryFolder folder;
+  const auto plain = make_robot(folder.write("plain.urdf", tiny_urdf()), "tiny");
+  const auto made = make_robot(folder.write("tiny.urdf", below("0 0 1.5")), "tiny");
+  ASSERT_TRUE(plain && made) << describe(made.error());
+  EXPECT_THAT(made->notes, Contains(HasSubstr("\"base_footprint\", \"base_link\" above the base "
+                                              "have no mass")));
+  EXPECT_THAT(made->notes, Contains(HasSubstr("the root of motions is \"base\"")));
+  EXPECT_EQ(made->model, plain->model);
+  EXPECT_EQ(made->config, plain->config);
+  // A link that tilts the base gives the robot its upright pose.
+  const auto tilted = make_robot(folder.write("tilted.urdf", below("0.1 0 0")), "tiny");
+  ASSERT_TRUE(tilted) << describe(tilted.error());
+  EXPECT_THAT(tilted->notes, Contains(HasSubstr("\"base_link\" was given one")));
+}
+
+TEST(MakeRobot, SuspectsSpeedsInDegrees) {
+  std::string text = tiny_urdf();
+  const std::string speed = "velocity=\"7.5\"";
+  for (auto at = text.find(speed); at != std::string::npos; at = text.find(speed)) {
+    text.replace(at, speed.size(), "velocity=\"430\"");
+  }
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("tiny.urdf", text), "tiny");
+  ASSERT_TRUE(made) << describe(made.error());
+  EXPECT_THAT(made->notes, Contains(HasSubstr("looks like degrees per second")));
+}
+
+TEST(MakeRobot, NotesSolesAtDifferentHeights) {
+  std::string text = tiny_humanoid(true);
+  const TemporaryFolder folder;
+  const auto even = make_robot(folder.write("even.xml", text), "even");
+  replace(text, "<body name=\"left_ankle\" pos=\"0 0 -0.25\">",
+          "<body name=\"left_ankle\" pos=\"0 0 -0.28\">");
+  const auto uneven = make_robot(folder.write("uneven.xml", text), "uneven");
+  ASSERT_TRUE(even && uneven);
+  EXPECT_THAT(even->notes, Not(Contains(HasSubstr("lower than the other"))));
+  EXPECT_THAT(uneven->notes, Contains(HasSubstr("the left sole is 0.03 m lower")));
 }
 
 TEST(MakeRobot, RejectsUnsupportedModels) {

@@ -170,8 +170,9 @@ TEST_F(ProfileChecksTest, DifferencesOfSlidesAreInMetres) {
     profile["limit_sets"] = {{"odd", {{"ranges", {{"left_knee", {3, 4}}}}}}};
   });
   EXPECT_THAT(findings(false),
-              Contains(AllOf(HasSubstr("has no position in common with the model"),
-                             HasSubstr("on 1 joint, most on left_knee"), HasSubstr(" m)"))));
+              AllOf(Contains(AllOf(HasSubstr("has no position in common with the model"),
+                                   HasSubstr("on 1 joint, most on left_knee"), HasSubstr(" m)"))),
+                    Contains("no speed limit for any joint: 20 rad/s (slides: 1 m/s) is used")));
 }
 
 TEST_F(ProfileChecksTest, CouplingsOutsideOfHandsAreNoted) {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "retarget/load_robot.h"
 #include "support/test_robots.h"
@@ -81,7 +80,7 @@ TEST(LoadProfileTest, ReadsEveryPart) {
   EXPECT_TRUE(robot.profile().soles_estimated);
   EXPECT_EQ(robot.speed_limit(0), 12.0);
   EXPECT_EQ(robot.speed_limit(1), 7.5);
-  EXPECT_EQ(robot.speed_limit(3), std::numeric_limits<double>::infinity());  // A slide joint.
+  EXPECT_EQ(robot.speed_limit(3), kDefaultSlideSpeedLimit);
   ASSERT_EQ(robot.profile().coupled_joints.size(), 2U);
   const JointCoupling& coupling = robot.profile().coupled_joints.at("left_elbow");
   EXPECT_EQ(coupling.leader, "left_shoulder");

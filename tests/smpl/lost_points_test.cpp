@@ -41,7 +41,7 @@ TEST(LostPoints, CompleteMotionsDoNotChange) {
 }
 
 TEST(LostPoints, AreBridgedAndReported) {
-  for (const double lost : {0.0, kNan}) {
+  for (const double lost : {0.0, -1.0, 1e6, kNan}) {
     JointMotion motion = going();
     for (const int frame : {5, 6, 7, 12}) lose(motion, frame, 2, lost);
     bridge_lost_points(motion);

@@ -163,6 +163,7 @@ TEST(InputPace, WarnsOfTimesThatAreNoSeconds) {
                                           {5.0, 0.0, "the timestamps stay at 5"},
                                           {9.0, -0.03, "the timestamps fall"},
                                           {0.0, 33.0, "look like milliseconds"},
+                                          {7.0, 1.0, "look like frame numbers"},
                                           {1e6, 8333.0, "look like microseconds"},
                                           {0.0, 1.0 / 120.0, ""}}) {
     SentStream run(LivePace::kInput);
@@ -194,8 +195,55 @@ TEST(InputPace, WarnsOfFramesWithoutTimes) {
       run.send(lines[i], step * static_cast<double>(i));
     }
     EXPECT_EQ(run.is_told("no timestamps"), step < 0.001);
+    EXPECT_EQ(run.is_told("stdin?format=bvh&fps=30"), step < 0.001);
     EXPECT_EQ(run.frames.size() > 400, step > 0.001);
   }
+}
+
+// The poses of a larger body, or in another unit, without its skeleton.
+TEST(InputPace, NoticesAnotherBodySize) {
+  const Clip clip = sample_clip("walk");
+  struct Size {
+    double scale;
+    const char* told;
+  };
+  for (const auto& [scale, told] :
+       {Size{1.0, ""}, Size{1.05, ""}, Size{1.25, "1.25 times"}, Size{0.8, "0.8 times"},
+        Size{100.0, "look like another unit"}}) {
+    SentStream run(LivePace::kInput);
+    const auto encoder = stream_encoder("lines");
+    run.send(encoder->begin(clip), 0.0);
+    for (int i = 0; i < 120; ++i) {
+      auto line = nlohmann::json::parse(encoder->frame(clip, i).value());
+      for (auto& joint : line["joints"]) {
+        for (std::size_t k = 0; k < 3 && i >= 30; ++k) joint[k] = scale * joint[k].get<double>();
+      }
+      run.send(line.dump(), 0.0);
+    }
+    run.pipeline.finish(0.0);
+    EXPECT_EQ(run.is_told("times as long"), told[0] != 0) << scale << ": " << run.told;
+    EXPECT_TRUE(run.is_told(told)) << scale << ": " << run.told;
+    const bool is_person = scale < 2.0;
+    EXPECT_EQ(run.frames.back().state == LiveState::kFollowing, is_person) << scale;
+    EXPECT_EQ(run.pipeline.packets().malformed > 80, !is_person) << scale;
+    // The robot neither floats nor flies.
+    EXPECT_NEAR(run.frames.back().qpos[2], 0.76, 0.05) << scale;
+  }
+}
+
+// The remedy is that of the format: lines have times, no option for their rate.
+TEST(InputPace, NamesTheMemberForTheTimesOfLines) {
+  const Clip clip = sample_clip("walk");
+  const auto encoder = stream_encoder("lines");
+  SentStream run(LivePace::kInput);
+  run.send(encoder->begin(clip), 0.0);
+  for (int i = 0; i < 60; ++i) {
+    auto line = nlohmann::json::parse(encoder->frame(clip, i).value());
+    line.erase("time");
+    run.send(line.dump(), 0.0001 * i);
+  }
+  EXPECT_TRUE(run.is_told("add \"time\" to every frame")) << run.told;
+  EXPECT_FALSE(run.is_told("fps=")) << run.told;
 }
 
 // The same skeleton in another unit: the robot would leap by a hundred times the human's distance.

@@ -14,6 +14,7 @@
 #include "formats/bvh/motion_rows.h"
 #include "formats/bvh/source_text.h"
 #include "motion/clip.h"
+#include "motion/odd_rate.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 
@@ -198,16 +199,9 @@ Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleto
 }
 
 void BvhReader::warn_about_rate(const MotionHeader& header, const Clip& clip) {
-  constexpr double kFewest = 6.0, kMost = 1000.0;  // Frames per second.
-  const double fps = clip.rate().fps();
-  if (clip.frame_count() < 2 || (fps >= kFewest && fps <= kMost)) return;
-  const double duration = clip.rate().time_of(clip.frame_count() - 1);
-  warnings_.push_back(
-      source_.warning_at(header.frame_time_place,
-                         "Frame Time gives " + number_text(fps, 3) + " fps and a duration of " +
-                             number_text(duration, 3) + " s, but recordings have " +
-                             number_text(kFewest, 0) + " to " + number_text(kMost, 0) +
-                             " fps: if it is wrong, " OPTION("source-fps") " N sets the rate"));
+  if (const auto odd = odd_rate_text(clip.rate(), clip.frame_count())) {
+    warnings_.push_back(source_.warning_at(header.frame_time_place, "Frame Time gives " + *odd));
+  }
 }
 
 void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& reading) {

@@ -8,6 +8,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/smpl/motion_arrays.h"
+#include "motion/odd_rate.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -90,6 +91,9 @@ class PlacesReader {
     TRY(read_rate());
     if (auto gaps = missing_frames(file_, motion_.frame_count, motion_.rate)) {
       motion_.warnings.push_back({0, 0, std::move(*gaps)});
+    }
+    if (const auto odd = odd_rate_text(motion_.rate, motion_.frame_count)) {
+      motion_.warnings.push_back({0, 0, "the file gives " + *odd});
     }
     TRY(read_height());
     return std::move(motion_);

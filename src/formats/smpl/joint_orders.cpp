@@ -131,21 +131,26 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Whether a joint is at the origin in a few frames. A joint that is often there belongs there.
-bool leaves_origin(const JointMotion& motion, int joint) {
+// Whether three equal coordinates mark a lost point: 0, or another number that programs write.
+bool is_marker(const Vector3d& place) {
+  return place.allFinite() && place == Vector3d::Constant(place.x());
+}
+
+// Whether a joint has such coordinates in a few frames. A joint that is often there belongs there.
+bool leaves_markers(const JointMotion& motion, int joint) {
   constexpr int kShare = 3;
-  int zeros = 0;
+  int marked = 0;
   for (int frame = 0; frame < motion.frame_count; ++frame) {
-    zeros += motion.position(frame, joint) == Vector3d::Zero() ? 1 : 0;
+    marked += is_marker(motion.position(frame, joint)) ? 1 : 0;
   }
-  return kShare * zeros < motion.frame_count;
+  return kShare * marked < motion.frame_count;
 }
 
 bool is_away(const Vector3d& place) {
-  return place.allFinite() && place != Vector3d::Zero();
+  return place.allFinite() && !is_marker(place);
 }
 
-// The frame in which most joints are tracked and away from the origin.
+// The frame in which most joints are tracked.
 int fullest_frame(const JointMotion& motion) {
   int fullest = 0, most = -1;
   for (int frame = 0; frame < motion.frame_count; ++frame) {
@@ -160,7 +165,7 @@ int fullest_frame(const JointMotion& motion) {
   return fullest;
 }
 
-// Whether two joints are at the same place where they are away from the origin, such as the hips
+// Whether two joints are at the same place where they are tracked, such as the hips
 // and the hip joints of CMU's skeletons.
 // @param start  first frame of the search
 bool coincide(const JointMotion& motion, int first, int second, int start) {
@@ -174,12 +179,12 @@ bool coincide(const JointMotion& motion, int first, int second, int start) {
   return false;
 }
 
-// The joints that leave the origin; of joints that coincide only the first.
+// The joints with few markers; of joints that coincide only the first.
 std::vector<int> distinct_joints(const JointMotion& motion) {
   const int start = fullest_frame(motion);
   std::vector<int> distinct;
   for (int joint = 0; joint < motion.joint_count; ++joint) {
-    if (!leaves_origin(motion, joint)) continue;
+    if (!leaves_markers(motion, joint)) continue;
     const bool is_new = std::ranges::none_of(
         distinct, [&](int other) { return coincide(motion, other, joint, start); });
     if (is_new) distinct.push_back(joint);
@@ -187,14 +192,14 @@ std::vector<int> distinct_joints(const JointMotion& motion) {
   return distinct;
 }
 
-// Marks the frames in which several joints that leave the origin and do not coincide elsewhere are
-// exactly there: all of them are lost.
-std::vector<char> frames_at_origin(const JointMotion& motion) {
+// Marks the frames in which several joints that have the coordinates of lost points in few frames,
+// and do not coincide elsewhere, have them: all of these joints are lost.
+std::vector<char> frames_with_markers(const JointMotion& motion) {
   constexpr int kFewest = 3;
   std::vector<int> counts(static_cast<std::size_t>(motion.frame_count));
   for (const int joint : distinct_joints(motion)) {
     for (int frame = 0; frame < motion.frame_count; ++frame) {
-      const bool is_there = motion.position(frame, joint) == Vector3d::Zero();
+      const bool is_there = is_marker(motion.position(frame, joint));
       counts[static_cast<std::size_t>(frame)] += is_there ? 1 : 0;
     }
   }
@@ -205,11 +210,11 @@ std::vector<char> frames_at_origin(const JointMotion& motion) {
 
 class LostPoints {
  public:
-  LostPoints(JointMotion& motion, int joint, const std::vector<char>& at_origin)
+  LostPoints(JointMotion& motion, int joint, const std::vector<char>& marked)
       : motion_(motion),
         joint_(joint),
-        at_origin_(at_origin),
-        zeros_are_lost_(leaves_origin(motion, joint)) {}
+        marked_(marked),
+        markers_are_lost_(leaves_markers(motion, joint)) {}
 
   // Returns the number of lost frames.
   int bridge() {
@@ -224,7 +229,7 @@ class LostPoints {
         continue;
       }
       const Vector3d before = place(begin - 1), after = place(end);
-      const double jump = std::min(before.norm(), after.norm());
+      const double jump = std::min((before - place(begin)).norm(), (after - place(begin)).norm());
       const bool has_numbers = place(begin).allFinite();
       if (has_numbers && !is_certain(begin, end) && !(jump > 2.0 * (after - before).norm()))
         continue;
@@ -238,7 +243,7 @@ class LostPoints {
   }
 
  private:
-  // Holds the nearest place at the start or end of the motion if the joint jumps to the origin
+  // Holds the nearest place at the start or end of the motion if the joint jumps to a marker
   // there. NaN stays: it is an error. @return the number of frames
   int hold(int begin, int end) {
     if (begin == 0 && end == motion_.frame_count) return 0;
@@ -249,7 +254,7 @@ class LostPoints {
     const Vector3d kept = place(nearest);
     if (!place(begin).allFinite() || !place(end - 1).allFinite()) return 0;
     if (!is_certain(begin, end) && !may_be_lost(other) &&
-        !(kept.norm() > 2.0 * (place(other) - kept).norm()))
+        !((kept - place(last)).norm() > 2.0 * (place(other) - kept).norm()))
       return 0;
     if (!is_certain(begin, end) && !jumps_alone(nearest, last)) return 0;
     for (int frame = begin; frame < end; ++frame) {
@@ -258,10 +263,9 @@ class LostPoints {
     return length;
   }
 
-  // Whether other joints are at the origin, too, in all of these frames.
+  // Whether other joints have markers, too, in all of these frames.
   [[nodiscard]] bool is_certain(int begin, int end) const {
-    return std::find(at_origin_.begin() + begin, at_origin_.begin() + end, 0) ==
-           at_origin_.begin() + end;
+    return std::find(marked_.begin() + begin, marked_.begin() + end, 0) == marked_.begin() + end;
   }
 
   // Whether most other joints move much less: a calibration pose at the origin is a jump of all.
@@ -276,25 +280,24 @@ class LostPoints {
   }
 
   [[nodiscard]] const Vector3d& place(int frame) const { return motion_.position(frame, joint_); }
-  [[nodiscard]] bool is_zero(int frame) const { return place(frame) == Vector3d::Zero(); }
   [[nodiscard]] bool may_be_lost(int frame) const {
-    return place(frame).array().isNaN().all() || (zeros_are_lost_ && is_zero(frame));
+    return place(frame).array().isNaN().all() || (markers_are_lost_ && is_marker(place(frame)));
   }
 
   JointMotion& motion_;
   int joint_;
-  const std::vector<char>& at_origin_;
-  bool zeros_are_lost_;
+  const std::vector<char>& marked_;
+  bool markers_are_lost_;
 };
 
 }  // namespace
 
 void bridge_lost_points(JointMotion& motion) {
-  const std::vector<char> at_origin = frames_at_origin(motion);
+  const std::vector<char> marked = frames_with_markers(motion);
   std::vector<std::string> joints;
   int most = 0;
   for (int joint = 0; joint < motion.joint_count; ++joint) {
-    const int lost = LostPoints(motion, joint, at_origin).bridge();
+    const int lost = LostPoints(motion, joint, marked).bridge();
     if (lost == 0) continue;
     const auto at = static_cast<std::size_t>(joint);
     joints.push_back(at < motion.names.size() ? motion.names[at] : std::to_string(joint));
@@ -303,10 +306,10 @@ void bridge_lost_points(JointMotion& motion) {
   if (joints.empty()) return;
   motion.warnings.push_back(
       {0, 0,
-       fmt::format("{} untracked (NaN, or at the origin) in up to {} of {} frames, "
-                   "interpolated or held: {}",
-                   count_text(joints.size(), "joint"), most, motion.frame_count,
-                   list_names(joints, 8))});
+       fmt::format(
+           "{} untracked (NaN, or three equal coordinates such as 0) in up to {} of {} frames, "
+           "interpolated or held: {}",
+           count_text(joints.size(), "joint"), most, motion.frame_count, list_names(joints, 8))});
 }
 
 }  // namespace retarget

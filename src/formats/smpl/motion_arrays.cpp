@@ -9,6 +9,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "motion/odd_rate.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -92,6 +93,9 @@ class MotionReader {
     TRY(read_rate(source_fps));
     if (auto gaps = missing_frames(file_, arrays_.frame_count, arrays_.rate)) {
       warn(std::move(*gaps));
+    }
+    if (const auto odd = odd_rate_text(arrays_.rate, arrays_.frame_count)) {
+      warn("the file gives " + *odd);
     }
     TRY(read_betas());
     TRY(read_gender());

@@ -80,7 +80,7 @@ void measure_limits(const ReportBuilder& draft, const LimitSet& limits) {
   add(robot.model_limits());
 }
 
-// By output joint, rad/s or m/s; infinity for prismatic joints without a limit.
+// By output joint, rad/s or m/s.
 std::vector<double> speed_limits(const ReportBuilder& draft) {
   const Robot& robot = draft.clip.robot();
   const auto& given = robot.profile().speed_limits;

@@ -39,6 +39,9 @@ class BvhRowDecoder final : public Decoder {
   Result<void> take(std::string_view bytes, StreamSink& sink) override;
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override;
   void restart() override { header_.clear(); }
+  std::string_view time_remedy() const override {
+    return "state their rate (stdin?format=bvh&fps=30)";
+  }
 
  private:
   Result<void> take_line(std::string_view line, StreamSink& sink);

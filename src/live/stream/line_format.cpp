@@ -178,6 +178,7 @@ class LineDecoder final : public Decoder {
   Result<void> take(std::string_view bytes, StreamSink& sink) override;
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override;
   void know_up(const Eigen::Vector3d& up) override { known_up_ = up; }
+  std::string_view time_remedy() const override { return "add \"time\" to every frame"; }
 
  private:
   Result<void> use_known(const PacketJson& header, const std::vector<Joint>& joints);

@@ -97,12 +97,63 @@ Result<void> LivePipeline::begin_session(const BodyTask& task) {
   RETARGET_TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
   warn_of_unused_file(task.clip);
   for (const auto& [label, text] : made.plan.human.lines()) tell_(label, text);
-  poser_.emplace(made.plan);
+  use_body(made.plan);
+  rest_ = task.rest;
   up_ = made.plan.human.calibration.up.direction();
   used_ = received_;
   refused_.reset();
   skeleton_packets_.accept();
   return {};
+}
+
+void LivePipeline::use_body(const Plan& plan) {
+  poser_.emplace(plan);
+  pose_ = plan.clip->empty_like(plan.clip->rate(), 1);
+  std::ranges::copy(plan.clip->rotations(0), pose_->rotations(0).begin());
+  std::ranges::copy(plan.clip->translations(0), pose_->translations(0).begin());
+  HumanPose body;
+  poser_->pose(pose_->rotations(0), pose_->translations(0), body);
+  size_.emplace(plan.human.calibration, body);
+}
+
+// Whether a frame, which human_ has, may be of the body in use. A body of another size is
+// calibrated from the frame, as the skeleton of another body would be.
+bool LivePipeline::has_size_of_body(const StreamFrame& frame) {
+  switch (size_->add(human_.world_from_bone)) {
+    case BodyMatch::Fit::kSame:
+      return true;
+    case BodyMatch::Fit::kOther:
+      resize_body(frame);
+      return true;
+    case BodyMatch::Fit::kNoPerson:
+      break;
+  }
+  ++packets_.malformed;
+  warn_once(unit_reported_, "body",
+            fmt::format("frames are dropped whose limbs are {} times as long as those of the "
+                        "calibrated body: they look like another unit; send its skeleton first",
+                        number_text(size_->ratio(), size_->ratio() < 1.0 ? 4 : 1)));
+  return false;
+}
+
+void LivePipeline::resize_body(const StreamFrame& frame) {
+  if (poseless_ || waiting_ || maker_.is_busy()) return;
+  const double ratio = size_->ratio();
+  warn_once(
+      size_reported_, "body",
+      fmt::format("the limbs of the frames are {} times as long as those of the calibrated "
+                  "body: calibrating again for another performer (further changes are not "
+                  "reported); a new skeleton or " RETARGET_OPTION("calibrate") " is more exact",
+                  number_text(ratio, 2)));
+  // The pose of the known body with the lengths of the frame.
+  Clip pose = *pose_;
+  std::ranges::copy(frame.translations, pose.translations(0).begin());
+  const int root = pose.skeleton().translation_slot(0);
+  if (root >= 0) {
+    const auto slot = static_cast<std::size_t>(root);
+    pose.translations(0)[slot] = ratio * pose_->translations(0)[slot];
+  }
+  change_body({std::move(pose), rest_, true});
 }
 
 // Switches to another body: at once, or in the background while the robot continues.
@@ -145,9 +196,10 @@ void LivePipeline::adopt(const BodyTask& task, Result<MadeBody> made) {
   }
   warn_of_unused_file(task.clip);
   for (const auto& [label, text] : made->plan.human.lines()) tell_(label, text);
-  poser_.emplace(made->plan);
+  use_body(made->plan);
   session_->recalibrate(std::move(*made->body));
   used_ = task.clip;
+  rest_ = task.rest;
   refused_.reset();
   if (task.is_posed) return;
   known_.reset();

@@ -256,9 +256,11 @@ void LivePipeline::pass_time(double stamp) {
   if (!std::isfinite(stamp)) {
     now_ = std::max(now_, wall_);
     if (!untimed_.add(wall_)) return;
-    warn_once(pace_reported_, "stream",
-              "the frames have no timestamps and arrive faster than in real time, so the robot's "
-              "motion is too short: state their rate (stdin?format=bvh&fps=30) or their times");
+    warn_once(
+        pace_reported_, "stream",
+        fmt::format("the frames have no timestamps and arrive faster than in real time, so the "
+                    "robot's motion is too short: {}",
+                    decoder_->time_remedy()));
     return;
   }
   if (stamp_) {
@@ -284,7 +286,7 @@ double LivePipeline::advance_to(const StreamFrame& frame) {
 void LivePipeline::follow(const StreamFrame& frame, double time) {
   human_.time = time;
   poser_->pose(frame.rotations, frame.translations, human_.world_from_bone);
-  session_->push(human_, now_);
+  if (has_size_of_body(frame)) session_->push(human_, now_);
   if (options_.pace == LivePace::kInput) pull(now_);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "live/stream/body_match.h"
 #include "live/stream/stamp_faults.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
@@ -101,6 +102,9 @@ class LivePipeline final {
   void change_body(BodyTask task);
   void start_waiting_body();
   void adopt(const BodyTask& task, Result<MadeBody> made);
+  void use_body(const Plan& plan);
+  [[nodiscard]] bool has_size_of_body(const StreamFrame& frame);
+  void resize_body(const StreamFrame& frame);
   void refuse(const BodyTask& task, const Error& why);
   void warn_of_refusal(const std::string& why);
   void drop_poseless();
@@ -145,6 +149,9 @@ class LivePipeline final {
   std::shared_ptr<const Skeleton> known_;  // Skeleton of a file, while in use.
   std::optional<LiveSession> session_;
   std::optional<LivePoser> poser_;
+  std::optional<BodyMatch> size_;
+  std::optional<Clip> pose_;                       // Of the body in use, in its calibration.
+  RestPose rest_ = RestPose::kAuto;                // Meaning of that pose.
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  // Of the first body's skeleton.
   bool calibrates_ = false;
   std::optional<double> calibration_begin_;
@@ -161,7 +168,8 @@ class LivePipeline final {
   bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
        jump_reported_ = false;
   bool refused_reported_ = false, foreign_reported_ = false, pace_reported_ = false,
-       file_reported_ = false, stamps_reported_ = false;
+       file_reported_ = false, stamps_reported_ = false, size_reported_ = false,
+       unit_reported_ = false;
 };
 
 }  // namespace retarget

@@ -11,10 +11,13 @@ namespace retarget {
 namespace {
 
 constexpr int kSteps = 12;
-constexpr double kLongStep = 1.5;  // Seconds; motions have more frames.
+constexpr double kLongStep = 0.5;  // Seconds; motions have more frames.
 
-// The unit in which a step is at most as long as a frame.
+// The unit in which a step is at most as long as a frame, and not shorter than any sensor's.
 const char* unit_of(double step) {
+  constexpr double kMostNumbers = 1.5;  // Per frame; a third of the frames may be lost.
+  if (step < 1.0) return nullptr;
+  if (step <= kMostNumbers) return "frame numbers";
   struct Unit {
     double per_second;
     const char* name;
@@ -55,8 +58,8 @@ void StampFaults::begin(double stamp, double arrival) {
 // @param passed  seconds in which these frames arrived.
 std::string StampFaults::fault(double passed) const {
   constexpr const char* kRemedy =
-      "so most frames are dropped: send times in seconds, or use " RETARGET_OPTION(
-          "clock") " arrival";
+      "so the robot does not follow most frames in time: send times in seconds, or "
+      "use " RETARGET_OPTION("clock") " arrival";
   if (constant_ == kSteps) {
     return fmt::format("the timestamps stay at {}, {}", number_text(first_, 3), kRemedy);
   }

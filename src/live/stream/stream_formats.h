@@ -58,6 +58,8 @@ class Decoder {
   virtual void know_up(const Eigen::Vector3d& up) { static_cast<void>(up); }
   /// Resets the state for a new sender.
   virtual void restart() {}
+  /// How the sender can give times to frames without timestamps.
+  [[nodiscard]] virtual std::string_view time_remedy() const { return "send their times"; }
   /// The request to send to the sender now, for protocols with requests; called repeatedly. Empty:
   /// no request.
   [[nodiscard]] virtual std::string_view request() const { return {}; }

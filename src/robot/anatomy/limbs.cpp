@@ -5,12 +5,15 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/try.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
+#include "retarget/trigonometry.h"
 #include "robot/anatomy/branches.h"
 #include "robot/anatomy/limb_shape.h"
 #include "robot/anatomy/underside.h"
@@ -113,6 +116,8 @@ class LimbFinder {
  private:
   void find_facing();
   [[nodiscard]] double foot_vote(const Eigen::Vector3d& forward) const;
+  [[nodiscard]] std::optional<double> outward_angle(const LimbShape& leg, double side) const;
+  [[nodiscard]] double toe_out() const;
   [[nodiscard]] Limb limb_of(const LimbShape& shape, bool is_leg) const;
   void set_end(Limb& limb, const LimbShape& shape, bool is_leg) const;
   [[nodiscard]] Eigen::Matrix3d in_body(int body, const Eigen::Matrix3d& world_from_bone) const;
@@ -190,6 +195,41 @@ void LimbFinder::find_facing() {
   }
 }
 
+// The angle, radians, by which the long axis of a foot's outline points away from the other foot;
+// nothing if the outline is not long.
+// @param side  1: left, -1: right.
+std::optional<double> LimbFinder::outward_angle(const LimbShape& leg, double side) const {
+  constexpr double kLong = 1.7;  // Length over width.
+  const int foot = robot_.joints()[leg.joints.back()].body;
+  std::vector<Eigen::Vector2d> points;
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector3d& point : outline_points(robot_, posed_, foot)) {
+    points.emplace_back(point.dot(found_.forward), side * point.dot(found_.left));
+    centre += points.back();
+  }
+  centre /= static_cast<double>(points.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& point : points) {
+    spread += (point - centre) * (point - centre).transpose();
+  }
+  const double along = spread(0, 0) - spread(1, 1), across = 2.0 * spread(0, 1);
+  const double difference = std::sqrt(along * along + across * across), sum = spread.trace();
+  if (!(sum + difference > kLong * kLong * (sum - difference))) return std::nullopt;
+  return 0.5 * portable::atan2(across, along);
+}
+
+// The angle, radians, by which both feet point outwards in the zero configuration; 0 unless their
+// outlines are long and clearly turned like mirror images.
+double LimbFinder::toe_out() const {
+  constexpr double kClearly = 5.0 * std::numbers::pi / 180.0;
+  constexpr double kAlike = 3.0 * std::numbers::pi / 180.0;
+  constexpr double kMost = std::numbers::pi / 3.0;
+  const auto left = outward_angle(legs_.limbs[0], 1.0), right = outward_angle(legs_.limbs[1], -1.0);
+  if (!left || !right || std::abs(*left - *right) > kAlike) return 0.0;
+  const double mean = 0.5 * (*left + *right);
+  return std::abs(mean) > kClearly && std::abs(mean) < kMost ? mean : 0.0;
+}
+
 Eigen::Matrix3d LimbFinder::in_body(int body, const Eigen::Matrix3d& world_from_bone) const {
   return posed_.world_from_body(body).rotation.toRotationMatrix().transpose() * world_from_bone;
 }
@@ -204,7 +244,11 @@ void LimbFinder::set_end(Limb& limb, const LimbShape& shape, bool is_leg) const 
   Eigen::Matrix3d world_from_bone;
   if (is_leg) {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-    world_from_bone << found_.forward, up, -found_.left;
+    const double side = (shape.root - legs_.limbs[0].root).dot(found_.left) < -1e-9 ? -1.0 : 1.0;
+    const double angle = side * toe_out();
+    const auto [sine, cosine] = portable::sin_cos(angle);
+    world_from_bone << cosine * found_.forward + sine * found_.left, up,
+        sine * found_.forward - cosine * found_.left;
   } else {
     world_from_bone = posed_.world_from_body(limb.lower.body).rotation.toRotationMatrix() *
                       limb.lower.body_from_bone;

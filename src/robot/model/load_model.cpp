@@ -253,7 +253,9 @@ std::string later_complaint(mjSpec* spec) {
 
 // Reads the XML. MuJoCo rejects several materials of one visual, which other readers of URDF
 // accept, and unknown parts that do not affect kinematics; those are removed, with a warning.
-Result<MujocoSpec> parse_model(const std::string& path, std::vector<std::string>& warnings) {
+// @param finds_base  omit links of a URDF above the robot's base.
+Result<MujocoSpec> parse_model(const std::string& path, bool finds_base,
+                               std::vector<std::string>& warnings) {
   MessageBuffer error{};
   MujocoSpec spec(mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
   if (!spec && std::string_view(error.data()).find("repeated element: 'material'") !=
@@ -276,6 +278,9 @@ Result<MujocoSpec> parse_model(const std::string& path, std::vector<std::string>
     }
   }
   if (!spec) return model_failure(path, first_error);
+  if (const auto text = finds_base ? repair.drop_links_above_base() : std::nullopt) {
+    if (MujocoSpec based = parse_text(*text, path, error)) spec = std::move(based);
+  }
   warnings.insert(warnings.end(), repair.notes().begin(), repair.notes().end());
   if (const auto names = xacro_leftovers(path); !names.empty()) {
     warnings.push_back("elements of xacro without a definition are ignored: " +
@@ -294,7 +299,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   const std::lock_guard lock(mujoco_mutex());
   const MessageGuard guard;
   LoadedModel loaded;
-  TRY_ASSIGN(const MujocoSpec spec, parse_model(path, loaded.warnings));
+  TRY_ASSIGN(const MujocoSpec spec, parse_model(path, changes.float_base, loaded.warnings));
   for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
     const mjsExclude* exclude = mjs_asExclude(e);
     loaded.excluded.emplace_back(mjs_getString(exclude->bodyname1),

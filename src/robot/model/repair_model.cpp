@@ -145,6 +145,33 @@ XMLElement* joint_from(XMLElement& robot, const char* end, const std::string& li
   return nullptr;
 }
 
+// Whether a joint's origin does not tilt its child.
+bool keeps_upright(const XMLElement& joint) {
+  std::istringstream numbers(attribute_of(joint.FirstChildElement("origin"), "rpy"));
+  double roll = 0.0, pitch = 0.0;
+  return !(numbers >> roll >> pitch) || (roll == 0.0 && pitch == 0.0);
+}
+
+// The first link without a joint above it; null: none.
+XMLElement* root_link(XMLElement& robot) {
+  for (XMLElement* link : children_of(robot, "link")) {
+    if (joint_from(robot, "child", attribute_of(link, "name")) == nullptr) return link;
+  }
+  return nullptr;
+}
+
+// The only joint below a link; null if there is none, or several.
+XMLElement* only_joint_below(XMLElement& robot, const std::string& link) {
+  XMLElement* only = nullptr;
+  for (XMLElement* joint : children_of(robot, "joint")) {
+    const auto* parent = joint->FirstChildElement("parent");
+    if (parent == nullptr || attribute_of(parent, "link") != link) continue;
+    if (only != nullptr) return nullptr;
+    only = joint;
+  }
+  return only;
+}
+
 XMLElement* child_with(XMLElement& robot, const char* kind, const char* attribute,
                        const std::string& value) {
   for (XMLElement* child : children_of(robot, kind)) {
@@ -277,9 +304,36 @@ bool ModelRepair::apply(const std::string& complaint) {
 
 std::optional<std::string> ModelRepair::repair(const std::string& complaint) {
   if (!load() || !apply(complaint)) return std::nullopt;
+  return text();
+}
+
+std::string ModelRepair::text() const {
   tinyxml2::XMLPrinter printer;
   document_.Print(&printer);
   return std::string(printer.CStr());
+}
+
+std::optional<std::string> ModelRepair::drop_links_above_base() {
+  if (!load() || !is_urdf(*document_.RootElement())) return std::nullopt;
+  XMLElement& robot = *document_.RootElement();
+  std::vector<std::string> names;
+  std::string base;
+  while (XMLElement* link = root_link(robot)) {
+    base = attribute_of(link, "name");
+    XMLElement* joint = only_joint_below(robot, base);
+    const bool is_above = joint != nullptr && base != "world" && is_massless(*link) &&
+                          attribute_of(joint, "type") == "fixed" && keeps_upright(*joint);
+    if (!is_above) break;
+    names.push_back("\"" + base + "\"");
+    robot.DeleteChild(joint);
+    robot.DeleteChild(link);
+  }
+  if (names.empty()) return std::nullopt;
+  notes_.push_back(
+      fmt::format("{} above the base {} no mass and {} omitted: the root of motions is \"{}\"",
+                  (names.size() == 1 ? "the link " : "the links ") + list_names(names, 3),
+                  names.size() == 1 ? "has" : "have", names.size() == 1 ? "is" : "are", base));
+  return text();
 }
 
 }  // namespace retarget

@@ -28,11 +28,17 @@ class ModelRepair {
   /// @return the changed XML; nothing if the error concerns kinematics.
   [[nodiscard]] std::optional<std::string> repair(const std::string& complaint);
 
+  /// Removes links of a URDF above the base: without mass, and fixed to a single link, which
+  /// they do not tilt (ROS' base_footprint). The root of motions is then the base.
+  /// @return the changed XML; nothing if there are none.
+  [[nodiscard]] std::optional<std::string> drop_links_above_base();
+
   /// The removed parts, one sentence each.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   bool load();
+  [[nodiscard]] std::string text() const;
   bool apply(const std::string& complaint);
   bool drop_attribute(const std::string& complaint);
   bool drop_sections(const std::string& complaint);

@@ -160,7 +160,8 @@ double Robot::speed_limit(int joint) const {
   const RobotJoint& of = joints_[joint];
   const auto found = profile_.speed_limits.find(of.name);
   if (found != profile_.speed_limits.end()) return found->second;
-  return of.type == RobotJoint::Type::kHinge ? profile_.default_speed_limit : kInfinity;
+  return of.type == RobotJoint::Type::kHinge ? profile_.default_speed_limit
+                                             : kDefaultSlideSpeedLimit;
 }
 
 double Robot::torque_limit(int joint) const {

@@ -50,13 +50,13 @@ std::vector<TrackedFoot> tracked_feet(const FitModel& model, double frame_time) 
 }
 
 FloorFinder::FloorFinder(const FitOptions& options, double frame_time)
-    : max_speed_(options.contact_speed) {
+    : frame_time_(frame_time), max_speed_(options.contact_speed) {
   constexpr double kFloorSpeed = 0.1;  // m/s
   step_ = kFloorSpeed * frame_time;
 }
 
 void FloorFinder::restart() {
-  count_ = 0;
+  count_ = level_count_ = 0;
   wait_ = 0;
   begun_ = false;
 }
@@ -77,14 +77,53 @@ double FloorFinder::estimate() {
   return *middle;
 }
 
-double FloorFinder::add(std::span<const TrackedFoot> feet, double lowest_part) {
+// The latest vertical jump of the source's world, metres; 0: none. No body moves like this: root
+// and lower sole are shifted together, and much farther than an acceleration allows between two
+// frames in which the root hardly moves. A step or the take-off of a jump raises the root while a
+// foot is on the floor; in the air, the root only slows down.
+double FloorFinder::jump() const {
+  constexpr double kLongest = 0.12;      // Seconds; the source's frames may be this far apart.
+  constexpr double kLeast = 0.03;        // Metres.
+  constexpr double kAcceleration = 8.0;  // m/s^2
+  constexpr double kCalm = 0.15;         // Share of the jump per frame, before and after it.
+  constexpr double kTogether = 0.75;     // Share of the root's movement.
+  const auto longest = static_cast<std::size_t>(std::lround(kLongest / frame_time_));
+  for (std::size_t n = 1; n <= std::clamp(longest, std::size_t{1}, levels_.size() - 3); ++n) {
+    if (level_count_ < n + 3) break;
+    const Level &before = level(n + 1), &after = level(1);
+    const double moved = after.root - before.root;
+    const double earlier = before.root - level(n + 2).root, later = level(0).root - after.root;
+    const double calm = kCalm * std::abs(moved);
+    if (std::max(std::abs(earlier), std::abs(later)) > calm) continue;
+    const double shift = moved - 0.5 * static_cast<double>(n) * (earlier + later);
+    const double time = (static_cast<double>(n) - 0.5) * frame_time_;
+    if (std::abs(shift) < kLeast + kAcceleration * time * time) continue;
+    if ((after.sole - before.sole) / moved < kTogether) continue;
+    return shift;
+  }
+  return 0.0;
+}
+
+// Shifts the known stances by a jump of the world.
+void FloorFinder::follow_jump(const Level& now) {
+  levels_[level_count_++ % levels_.size()] = now;
+  const double shift = jump();
+  if (shift == 0.0) return;
+  for (double& height : heights_) height += shift;
+  goal_ += shift;
+  levels_[0] = now;
+  level_count_ = 1;
+}
+
+double FloorFinder::add(std::span<const TrackedFoot> feet, double lowest_part, double root) {
   constexpr int kWait = 8;         // Frames between two estimates.
   constexpr double kStands = 0.5;  // Minimum TrackedFoot::up of a stance.
   if (feet.empty()) return 0.0;
   double lowest = HUGE_VAL;
+  for (const TrackedFoot& foot : feet) lowest = std::min(lowest, foot.sole_height());
+  follow_jump({root, lowest});
   bool stands = false;
   for (const TrackedFoot& foot : feet) {
-    lowest = std::min(lowest, foot.sole_height());
     if (foot.speed() > max_speed_ || foot.up() < kStands) continue;
     heights_[count_++ % heights_.size()] = foot.sole_height();
     stands = true;

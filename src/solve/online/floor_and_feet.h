@@ -57,7 +57,8 @@ class TrackedFoot {
 [[nodiscard]] std::vector<TrackedFoot> tracked_feet(const FitModel& model, double frame_time);
 
 /// Estimates the height of the source's floor from past stances. It updates the estimate
-/// continuously, so that the robot floats neither after a wrong start nor due to sensor drift.
+/// continuously, so that the robot floats neither after a wrong start nor due to sensor drift. It
+/// follows a vertical jump of the source's world: a step of the whole body between two frames.
 class FloorFinder {
  public:
   FloorFinder(const FitOptions& options, double frame_time);
@@ -65,18 +66,34 @@ class FloorFinder {
   /// Adds the current frame of the feet.
   /// @param lowest_part  height of the lowest target of other bodies, on the same scale. The first
   ///                     estimate is below it if the feet are clearly higher, as in a handstand.
+  /// @param root         height of the target of the root, on the same scale.
   /// @return estimate of the floor height, metres above the source's origin.
-  double add(std::span<const TrackedFoot> feet, double lowest_part);
+  double add(std::span<const TrackedFoot> feet, double lowest_part, double root);
   /// Discards all stances.
   void restart();
+  /// Discards the latest frames, for a discontinuity, after which the body may have another pose.
+  void interrupt() { level_count_ = 0; }
 
  private:
-  [[nodiscard]] double estimate();
+  // Heights of the root and of the lower sole, metres.
+  struct Level {
+    double root = 0.0, sole = 0.0;
+  };
 
+  [[nodiscard]] double estimate();
+  [[nodiscard]] const Level& level(std::size_t back) const {
+    return levels_[(level_count_ - 1 - back) % levels_.size()];
+  }
+  [[nodiscard]] double jump() const;
+  void follow_jump(const Level& now);
+
+  double frame_time_;
   double max_speed_;
   double step_;  // Largest change of the estimate per frame, metres.
   std::array<double, 512> heights_{}, scratch_{};
   std::size_t count_ = 0;
+  std::array<Level, 64> levels_{};  // Ring buffer of the latest frames.
+  std::size_t level_count_ = 0;
   int wait_ = 0;
   bool begun_ = false;
   double floor_ = 0.0, goal_ = 0.0;

@@ -41,6 +41,7 @@ class OnlineSolver::Impl {
  private:
   Outcome take_next();
   [[nodiscard]] double lowest_part(double path_height) const;
+  [[nodiscard]] double root_height(double path_height) const;
 
   OnlineOptions options_;
   std::unique_ptr<OnlineTargets> targets_;
@@ -55,7 +56,9 @@ OnlineSolver::Outcome OnlineSolver::Impl::push(const HumanPose& human) {
   targets_->build(human);
   const Eigen::Vector3d path = targets_->path();
   for (TrackedFoot& foot : feet_) foot.add(human, targets_->world_from_target(), path);
-  const double floor = lag_ || options_.floor ? floor_.add(feet_, lowest_part(path.z())) : 0.0;
+  const double floor = lag_ || options_.floor
+                           ? floor_.add(feet_, lowest_part(path.z()), root_height(path.z()))
+                           : 0.0;
   if (!lag_ && options_.hold_feet) {
     holder_.hold(feet_, floor, path, targets_->world_from_target());
   }
@@ -82,6 +85,15 @@ double OnlineSolver::Impl::lowest_part(double path_height) const {
   return lowest;
 }
 
+// Height of the target of the body nearest to the root of the tree.
+double OnlineSolver::Impl::root_height(double path_height) const {
+  const auto& tasks = targets_->model().tasks;
+  if (tasks.empty()) return path_height;
+  const auto root = std::ranges::min_element(tasks, {}, &FitTask::link);
+  return targets_->world_from_target()[static_cast<std::size_t>(root->target)].translation.z() +
+         path_height;
+}
+
 OnlineSolver::Outcome OnlineSolver::Impl::take_next() {
   if (!lag_->has_next()) return Outcome::kFilling;
   std::ranges::copy(lag_->next(), qpos_.begin());
@@ -97,6 +109,7 @@ bool OnlineSolver::Impl::take_rest() {
 void OnlineSolver::Impl::restart(bool from_several_starts) {
   if (from_several_starts) targets_->settle_next();
   for (TrackedFoot& foot : feet_) foot.restart();
+  floor_.interrupt();
   holder_.restart();
   if (lag_) lag_->restart();
 }

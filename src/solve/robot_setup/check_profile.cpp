@@ -88,15 +88,19 @@ void ProfileChecks::check_limit_set(const LimitSet& set) {
 }
 
 void ProfileChecks::check_speeds() {
+  if (auto odd = odd_speeds_text(robot_, profile_.speed_limits)) note(std::move(*odd));
   std::vector<std::string> missing;
+  std::vector<int> joints;
   for (const int joint : robot_.output_joints()) {
     const std::string& name = robot_.joints()[joint].name;
-    if (!profile_.speed_limits.contains(name)) missing.push_back(name);
+    if (profile_.speed_limits.contains(name)) continue;
+    missing.push_back(name);
+    joints.push_back(joint);
   }
   if (missing.empty()) return;
   note("no speed limit for " +
        (missing.size() == robot_.output_joints().size() ? "any joint" : list_names(missing, 6)) +
-       ": " + number_text(profile_.default_speed_limit) + " rad/s is used");
+       ": " + default_speeds_text(robot_, joints) + " is used");
 }
 
 void ProfileChecks::check_soles_of_feet() {
@@ -164,6 +168,32 @@ std::string ProfileChecks::range_fault(const std::string& joint, double position
 std::vector<RobotFinding> profile_findings(const Robot& robot, const RobotAnatomy* limbs,
                                            const TPose* t_pose) {
   return ProfileChecks(robot, limbs, t_pose).findings();
+}
+
+std::string default_speeds_text(const Robot& robot, const std::vector<int>& joints) {
+  const auto slides = std::ranges::count_if(
+      joints, [&](int joint) { return robot.joints()[joint].type == RobotJoint::Type::kSlide; });
+  const std::string of_hinges = number_text(robot.profile().default_speed_limit) + " rad/s";
+  const std::string of_slides = number_text(kDefaultSlideSpeedLimit) + " m/s";
+  if (slides == 0) return of_hinges;
+  return slides == std::ssize(joints) ? of_slides : of_hinges + " (slides: " + of_slides + ")";
+}
+
+std::optional<std::string> odd_speeds_text(const Robot& robot,
+                                           const std::map<std::string, double>& speeds) {
+  constexpr double kFast = 60.0;  // rad/s; only single joints of robots are faster.
+  std::vector<double> of_hinges;
+  for (const RobotJoint& joint : robot.joints()) {
+    const auto found = speeds.find(joint.name);
+    if (found == speeds.end() || joint.type != RobotJoint::Type::kHinge) continue;
+    of_hinges.push_back(found->second);
+  }
+  const auto fast = std::ranges::count_if(of_hinges, [](double speed) { return speed > kFast; });
+  if (2 * fast <= std::ssize(of_hinges)) return std::nullopt;
+  return fmt::format(
+      "{} of {} speed limits exceed {} rad/s (up to {}), which looks like degrees per second or "
+      "like no real limit: write them in rad/s",
+      fast, of_hinges.size(), number_text(kFast), number_text(std::ranges::max(of_hinges), 0));
 }
 
 std::vector<std::string> couplings_outside(const RobotHands& hands, const Robot& robot) {

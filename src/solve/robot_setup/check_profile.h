@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,14 @@ namespace retarget {
 [[nodiscard]] std::vector<RobotFinding> profile_findings(const Robot& robot,
                                                          const RobotAnatomy* limbs,
                                                          const TPose* t_pose);
+
+/// The speed limits that joints without their own get, such as "20 rad/s (slides: 1 m/s)".
+[[nodiscard]] std::string default_speeds_text(const Robot& robot, const std::vector<int>& joints);
+
+/// Reports speed limits (rad/s, by joint) that no motors of hinges have; nothing if they are
+/// plausible.
+[[nodiscard]] std::optional<std::string> odd_speeds_text(
+    const Robot& robot, const std::map<std::string, double>& speeds);
 
 /// The driven joints whose coupling has no effect, because it is not within a hand.
 [[nodiscard]] std::vector<std::string> couplings_outside(const RobotHands& hands,

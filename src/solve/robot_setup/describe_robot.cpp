@@ -2,8 +2,16 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
+#include "retarget/kinematic_tree.h"
+#include "retarget/shape_distance.h"
+#include "solve/robot_setup/check_profile.h"
 #include "solve/robot_setup/format_model.h"
 
 namespace retarget {
@@ -19,6 +27,50 @@ std::string body_name(const RobotFindings& findings, int body) {
 
 std::string metres(double length) {
   return number_text(rounded(length, 3)) + " m";
+}
+
+std::string default_speeds(const RobotFindings& findings) {
+  std::vector<int> joints(findings.robot.joints().size());
+  std::iota(joints.begin(), joints.end(), 0);
+  return default_speeds_text(findings.robot, joints);
+}
+
+// Reports soles that are not at one height in the T-pose, and bodies that reach below them: the
+// robot cannot stand level on its feet.
+void note_heights(const RobotFindings& findings, std::vector<std::string>& notes) {
+  constexpr double kApart = 0.01, kBelow = 0.005;  // Metres.
+  const Robot& robot = findings.robot;
+  const std::vector<Sole>& soles = findings.shapes.soles;
+  if (soles.size() != 2) return;
+  const TreeState posed(robot.tree(), findings.t_pose.qpos);
+  std::array<double, 2> heights{HUGE_VAL, HUGE_VAL};
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (const Eigen::Vector3d& point : soles[side].points) {
+      heights[side] =
+          std::min(heights[side], (posed.world_from_body(soles[side].body) * point).z());
+    }
+  }
+  const double apart = heights[0] - heights[1], floor = std::min(heights[0], heights[1]);
+  if (std::abs(apart) > kApart) {
+    notes.push_back(fmt::format("in the T-pose the {} sole is {} lower than the other one",
+                                apart < 0.0 ? "left" : "right", metres(std::abs(apart))));
+  }
+  std::map<int, double> below;  // Height of the lowest shape, by body.
+  for (const RoughShape& rough : findings.shapes.shapes) {
+    const int body = rough.shape.body;
+    const bool is_foot = std::ranges::any_of(soles, [&](const Sole& sole) {
+      return robot.tree().attachment(sole.body).link == robot.tree().attachment(body).link;
+    });
+    if (is_foot) continue;
+    const double height = lowest_point(place(rough.shape, posed.world_from_body(body))).z();
+    if (height > floor - kBelow) continue;
+    double& lowest = below.emplace(body, height).first->second;
+    lowest = std::min(lowest, height);
+  }
+  for (const auto& [body, height] : below) {
+    notes.push_back(fmt::format("in the T-pose \"{}\" reaches {} below the soles",
+                                body_name(findings, body), metres(floor - height)));
+  }
 }
 
 std::string sureness(const Limb& limb) {
@@ -100,9 +152,9 @@ std::string rest_section(const RobotFindings& findings) {
   const auto shapes_text = fmt::format(
       "* Collision shapes: {} from the model, {} fitted to meshes, {} estimated. Neighbours in the "
       "tree and shapes that overlap in the model may touch.\n* Speed limits: {} of {} joints from "
-      "the model, otherwise {} rad/s.\n",
+      "the model, otherwise {}.\n",
       count(ShapeSource::kModel), count(ShapeSource::kMesh), count(ShapeSource::kEstimated),
-      findings.speed_count, findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
+      findings.speeds.size(), findings.robot.joints().size(), default_speeds(findings));
   if (!findings.limbs.has_legs) {
     return "## Base, shapes, speeds\n\n* The base is fixed: limbs rotate like the human's, "
            "relative to the human's " +
@@ -166,7 +218,8 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
     if (std::max(residual.direction, residual.twist) < kOff) continue;
     notes.push_back(
         fmt::format("in the T-pose \"{}\" is {} degrees off in direction and {} in twist: its "
-                    "limits or its kinematics do not allow less",
+                    "limits or its kinematics do not allow less, or its foot or hand points "
+                    "elsewhere in the zero configuration",
                     body_name(findings, residual.body), degrees_text(residual.direction),
                     degrees_text(residual.twist)));
   }
@@ -177,10 +230,12 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
     notes.push_back("the soles are " + findings.shapes.sole_note +
                     ": add the outlines of the feet to robot.json");
   }
-  if (findings.speed_count == 0) {
-    notes.push_back("no speed limits are known: using " + number_text(kDefaultSpeedLimit) +
-                    " rad/s for every joint");
+  note_heights(findings, notes);
+  if (findings.speeds.empty()) {
+    notes.push_back("no speed limits are known: using " + default_speeds(findings) +
+                    " for every joint");
   }
+  if (auto odd = odd_speeds_text(findings.robot, findings.speeds)) notes.push_back(std::move(*odd));
   return notes;
 }
 

@@ -24,8 +24,8 @@ struct RobotFindings {
   const RetargetingConfig& config;
   const SelfTest& self_test;
   const RobotHands& hands;
-  std::size_t speed_count = 0;  ///< Number of joints with a speed limit in the model.
-  std::string source;           ///< File name of the model.
+  const std::map<std::string, double>& speeds;  ///< Joint speed limits of the model.
+  std::string source;                           ///< File name of the model.
 };
 
 /// Items that a user should check, one line each.

@@ -145,14 +145,15 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
     if (finding.fault) return config_failure(model_path, std::move(finding.text));
   }
   RETARGET_TRY_ASSIGN(const SelfTest test, run_self_test(robot, limbs, resolved));
-  const std::map<std::string, double> speeds = urdf_facts(model_path).speeds;
+  std::map<std::string, double> speeds = urdf_facts(model_path).speeds;
+  std::erase_if(speeds, [&](const auto& speed) { return !robot.find_joint(speed.first); });
 
   const std::string source = fs::path(model_path).filename().string();
   made.model = format_model(robot, name, shapes.shapes);
   made.profile = profile_text(robot, source, t_pose, shapes, contacts, speeds);
   made.config = format_retargeting_config(config);
-  const RobotFindings findings{robot,  limbs, t_pose, shapes,        overlaps,
-                               config, test,  hands,  speeds.size(), source};
+  const RobotFindings findings{robot,  limbs, t_pose, shapes, overlaps,
+                               config, test,  hands,  speeds, source};
   const std::vector<std::string> more = notes_about(findings);
   made.notes.insert(made.notes.end(), more.begin(), more.end());
   made.summary = summary_of(findings);
