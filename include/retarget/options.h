@@ -173,9 +173,9 @@ struct FitOptions {
   double sole_floor_weight = 600.0;  ///< Weight of the depth of sole points below sole_margin, per
                                      ///< metre.
   double sole_margin = 0.002;        ///< Clearance below which a swing foot is penalised, metres.
-  double body_floor_weight = 1600.0;  ///< Weight of the depth of other bodies below body_margin, per
-                                     ///< metre.
-  double body_margin = 0.006;        ///< Clearance below which other bodies are penalised, metres.
+  /// Weight of the depth of other bodies below body_margin, per metre.
+  double body_floor_weight = 1600.0;
+  double body_margin = 0.006;  ///< Clearance below which other bodies are penalised, metres.
 
   /// Weight of the distance from a body in contact to its surface of the scene, per metre.
   double scene_contact_weight = 230.0;
@@ -237,8 +237,10 @@ struct FitOptions {
   double support_drift = 0.02;  ///< Largest displacement in this time, metres.
 
   // Solver.
-  int iterations = 10;        ///< Gauss-Newton steps.
-  int extra_iterations = 10;  ///< Maximum additional steps while a window has not converged.
+  int iterations = 10;  ///< Gauss-Newton steps.
+  /// Maximum additional steps while a window has not converged; with dynamics, before them and again
+  /// after them.
+  int extra_iterations = 10;
   int anchor_iterations = 7;  ///< Number of first steps that also move the anchors of contacts.
   double window = 20.0;       ///< Length of a window, seconds.
   double seam = 1.5;  ///< Seconds on either side of a window boundary that are solved again.

@@ -101,7 +101,8 @@ struct Motion {
 /// @param options  empty: the options of the motion's plan.
 [[nodiscard]] Result<void> save(const Motion& motion, const std::string& output,
                                 const std::optional<SaveOptions>& options = std::nullopt);
-/// Writes a clip in the same way.
+/// Writes a clip in the same way, but as a conversion: a tracking file at the clip's rate keeps all
+/// frames.
 [[nodiscard]] Result<void> save(const RobotClip& clip, const std::string& output,
                                 const SaveOptions& options = {});
 

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -132,6 +134,7 @@ struct Variant {
   double noise;  // Metres.
   double shift;  // Metres, ahead.
   bool z_up;
+  std::optional<Vector3d> up = {};  // As the format defines it.
 };
 
 Clip lying_clip(const Script& script, const Layout& layout, const Variant& variant) {
@@ -145,6 +148,7 @@ Clip lying_clip(const Script& script, const Layout& layout, const Variant& varia
   };
   JointMotion motion;
   motion.rate = FrameRate{30, 1};
+  motion.up = variant.up;
   motion.frame_count = static_cast<int>(kFps * script.keys.back().first);
   for (int frame = 0; frame < motion.frame_count; ++frame) {
     for (Vector3d place : joints_of(angles_at(script, frame / kFps), layout.is_smpl)) {
@@ -195,10 +199,7 @@ TEST(LyingDown, IsCorrectOrWarnedAbout) {
 // A file in HumanML3D's format has y up by definition.
 TEST(LyingDown, UsesTheAxisThatTheFormatDefines) {
   for (const Script& script : kScripts) {
-    Clip clip = lying_clip(script, kLayouts[0], {0.0, 0.0, false});
-    ClipOrigin origin = clip.origin();
-    origin.up = Vector3d::UnitY();
-    clip.set_origin(origin);
+    const Clip clip = lying_clip(script, kLayouts[0], {0.0, 0.0, false, Vector3d::UnitY()});
     EXPECT_EQ(to_text(calibrated(clip).up), "+y") << script.name;
   }
 }

@@ -79,6 +79,10 @@ Vector3d sway(double seconds) {
   return {0.0, 0.2 * std::sin(2.0 * kPi * seconds / 4.0), 0.0};
 }
 
+RootEvidence evidence_of(const DriftingBody& body) {
+  return measure_root(body.feet, body.hips);
+}
+
 double farthest_left(const DriftingBody& body, const Path& off, const RootDrift& found) {
   // The position of the body as a whole is unknown.
   const Vector3d first = found.drift.front() - off(0.0);
@@ -91,18 +95,18 @@ double farthest_left(const DriftingBody& body, const Path& off, const RootDrift&
 }
 
 TEST(RootDrift, StandingFeetConfirmTheRoot) {
-  const RootEvidence standing = measure_root(body_of(90, nowhere, resting_foot).feet);
+  const RootEvidence standing = evidence_of(body_of(90, nowhere, resting_foot));
   EXPECT_NEAR(standing.seconds, 3.0, 1e-9);
   EXPECT_EQ(standing.speed, 0.0);
   EXPECT_FALSE(standing.moves());
-  const RootEvidence walking = measure_root(body_of(150, nowhere, foot_of_walker).feet);
+  const RootEvidence walking = evidence_of(body_of(150, nowhere, foot_of_walker));
   EXPECT_GT(walking.single_seconds, 1.0);
   EXPECT_LT(walking.single_speed, 0.05);
   EXPECT_FALSE(walking.moves());
 }
 
 TEST(RootDrift, IgnoresStairs) {
-  const RootEvidence stairs = measure_root(body_of(300, nowhere, foot_on_stairs).feet);
+  const RootEvidence stairs = evidence_of(body_of(300, nowhere, foot_on_stairs));
   EXPECT_FALSE(stairs.climbs_steadily);
   EXPECT_FALSE(stairs.moves());
 }
@@ -112,7 +116,7 @@ TEST(RootDrift, IgnoresJumps) {
     const double part = seconds - std::floor(seconds);
     return Vector3d(0.0, 0.0, std::max(0.0, 4.905 * part * (0.5 - part)));
   };
-  EXPECT_FALSE(measure_root(body_of(300, jumping, resting_foot).feet).moves());
+  EXPECT_FALSE(evidence_of(body_of(300, jumping, resting_foot)).moves());
 }
 
 // A person who jumps with straight legs and stands on the floor for 0.3 s between the jumps.
@@ -133,7 +137,7 @@ DriftingBody jumper(double jump, const Path& off) {
 
 TEST(RootDrift, IgnoresJumpsWithStraightLegs) {
   for (const double jump : {0.1, 0.2, 0.3, 0.5, 0.8}) {
-    const RootEvidence evidence = measure_root(jumper(jump, nowhere).feet);
+    const RootEvidence evidence = evidence_of(jumper(jump, nowhere));
     EXPECT_FALSE(evidence.moves()) << jump;
     // The time on the floor remains evidence.
     EXPECT_GT(evidence.seconds, 1.0) << jump;
@@ -144,7 +148,7 @@ TEST(RootDrift, IgnoresJumpsWithStraightLegs) {
 TEST(RootDrift, KeepsJumpsWhileItRemovesSway) {
   for (const double jump : {0.1, 0.2, 0.3}) {
     const DriftingBody body = jumper(jump, sway);
-    const RootEvidence evidence = measure_root(body.feet);
+    const RootEvidence evidence = evidence_of(body);
     EXPECT_TRUE(evidence.moves()) << jump;
     EXPECT_FALSE(evidence.climbs()) << jump;
     const RootDrift found = find_root_drift(body.feet, body.hips, {false, evidence.climbs()});
@@ -154,7 +158,7 @@ TEST(RootDrift, KeepsJumpsWhileItRemovesSway) {
 }
 
 TEST(RootDrift, MeasuresSway) {
-  const RootEvidence evidence = measure_root(body_of(240, sway, resting_foot).feet);
+  const RootEvidence evidence = evidence_of(body_of(240, sway, resting_foot));
   // The speed of a sine exceeds this value during 65 % of the time.
   EXPECT_NEAR(evidence.speed, 0.2 * 2.0 * kPi / 4.0 * std::sin(0.35 * kPi / 2.0), 0.02);
   EXPECT_TRUE(evidence.moves());
@@ -162,7 +166,7 @@ TEST(RootDrift, MeasuresSway) {
 
 TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.03 * seconds); };
-  const RootEvidence evidence = measure_root(body_of(300, climb, resting_foot).feet);
+  const RootEvidence evidence = evidence_of(body_of(300, climb, resting_foot));
   EXPECT_NEAR(evidence.climb, 0.3, 0.01);
   EXPECT_TRUE(evidence.moves());
   EXPECT_TRUE(evidence.climbs());
@@ -173,7 +177,7 @@ TEST(RootDrift, MeasuresShakingOfTheHeight) {
   const auto shake = [](double seconds) {
     return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
   };
-  const RootEvidence evidence = measure_root(body_of(300, shake, foot_of_walker).feet);
+  const RootEvidence evidence = evidence_of(body_of(300, shake, foot_of_walker));
   EXPECT_LT(evidence.single_speed, 0.1);
   EXPECT_TRUE(evidence.moves());
   EXPECT_TRUE(evidence.climbs());
@@ -189,14 +193,14 @@ Vector3d foot_that_rolls(int foot, double seconds) {
 }
 
 TEST(RootDrift, IgnoresFeetThatSinkWhileTheyRoll) {
-  const RootEvidence evidence = measure_root(body_of(300, nowhere, foot_that_rolls).feet);
+  const RootEvidence evidence = evidence_of(body_of(300, nowhere, foot_that_rolls));
   EXPECT_GT(evidence.climb_speed, 0.03);
   EXPECT_FALSE(evidence.moves());
 }
 
 TEST(RootDrift, FeetThatRollDoNotClimbDuringSway) {
   const auto far = [](double seconds) { return Vector3d(2.0 * sway(seconds)); };
-  const RootEvidence evidence = measure_root(body_of(300, far, foot_that_rolls).feet);
+  const RootEvidence evidence = evidence_of(body_of(300, far, foot_that_rolls));
   EXPECT_TRUE(evidence.moves());
   EXPECT_FALSE(evidence.climbs());
 }
@@ -206,7 +210,7 @@ TEST(RootDrift, DoesNotAddUpTheStepsOfFeetThatRoll) {
     return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
   };
   const DriftingBody body = body_of(300, shake, foot_that_rolls);
-  const RootEvidence evidence = measure_root(body.feet);
+  const RootEvidence evidence = evidence_of(body);
   EXPECT_TRUE(evidence.climbs());
   EXPECT_FALSE(evidence.climbs_steadily);
   const RootDrift found =
@@ -227,7 +231,7 @@ TEST(RootDrift, DiscardsAVerticalDriftThatTiltsTheFloor) {
 TEST(RootDrift, FindsAVerySlowClimb) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.005 * seconds); };
   const DriftingBody body = body_of(600, climb, resting_foot);
-  EXPECT_TRUE(measure_root(body.feet).moves());
+  EXPECT_TRUE(evidence_of(body).moves());
   const RootDrift found = find_root_drift(body.feet, body.hips);
   EXPECT_NEAR(found.climb_before, 0.1, 0.01);
   EXPECT_NEAR(found.climb_after, 0.0, 0.01);
@@ -257,15 +261,15 @@ TEST(RootDrift, DoesNotTakeAMissingRootForDrift) {
 TEST(RootDrift, IgnoresBodiesWithoutToes) {
   DriftingBody body = body_of(90, sway, resting_foot);
   body.feet.has_toe = {false, false};
-  EXPECT_FALSE(measure_root(body.feet).moves());
+  EXPECT_FALSE(evidence_of(body).moves());
   EXPECT_TRUE(find_root_drift(body.feet, body.hips).drift.empty());
 }
 
 TEST(RootDrift, IgnoresFeetOfALyingBody) {
   DriftingBody body = body_of(240, sway, resting_foot);
   body.feet.hips.assign(240, 0.15);
-  EXPECT_EQ(measure_root(body.feet).seconds, 0.0);
-  EXPECT_FALSE(measure_root(body.feet).moves());
+  EXPECT_EQ(evidence_of(body).seconds, 0.0);
+  EXPECT_FALSE(evidence_of(body).moves());
 }
 
 TEST(RootDrift, FindsSway) {
@@ -294,7 +298,7 @@ TEST(RootDrift, KeepsAStepAboveTheFloor) {
     return place;
   };
   const DriftingBody body = body_of(270, sway, foot_at);
-  const RootEvidence evidence = measure_root(body.feet);
+  const RootEvidence evidence = evidence_of(body);
   EXPECT_TRUE(evidence.moves());
   EXPECT_FALSE(evidence.climbs());
   const RootDrift found = find_root_drift(body.feet, body.hips, {false, evidence.climbs()});

@@ -54,6 +54,7 @@ TEST(JointMotionTest, ReadsShapesOfHumanMlAndMdm) {
   EXPECT_EQ(to_text(human_ml.rate), "20");
   EXPECT_THAT(texts_of(human_ml), HasSubstr("assuming 20 fps, as HumanML3D and MDM have"));
   EXPECT_TRUE(human_ml.names.empty());
+  EXPECT_EQ(human_ml.up, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
 
   // Samples, joints, axes, frames.
   ArrayReadOptions second;
@@ -184,6 +185,7 @@ TEST(JointMotionTest, ReadsRatesByTheirUsualNames) {
   EXPECT_THAT(joint_error(file("other", 30, true)), HasSubstr("no frame rate: found none of"));
   EXPECT_EQ(joints_of(file("other", 30, false)).order_of_rate, "SMPL");
   EXPECT_EQ(joints_of(file("dt", 0.05, false)).order_of_rate, "");
+  EXPECT_EQ(joints_of(file("dt", 0.05, false)).up, std::nullopt);
 }
 
 std::string kimodo(std::size_t joints, double one = 1.0) {

@@ -174,7 +174,10 @@ OptionTable solver_table(FitOptions& o) {
              "Time on either side of a window boundary that is solved again, seconds"),
       count("iterations", o.iterations, "Gauss-Newton steps", 0, 10000),
       count("extra_iterations", o.extra_iterations,
-            "Maximum number of further steps while a window has not converged", 0, 10000),
+            "Maximum number of further steps while a window has not converged; with dynamics, "
+            "before them "
+            "and again after them",
+            0, 10000),
       count("anchor_iterations", o.anchor_iterations,
             "Number of these steps that also move the contact positions", 0, 10000),
       count("dynamics_iterations", o.dynamics_iterations,

@@ -68,7 +68,7 @@ Result<std::vector<WrittenFile>> convert_human(const ConvertRequest& request, Ob
   }
   const int frames = clip.frame_count();
   const FrameRate rate = clip.rate();
-  const std::string summary = count_text(frames, "frame") + " at " + to_text(rate) + " fps";
+  const std::string summary = frames_text(frames, rate);
   TRY(write_human_glb(request.output, std::move(clip), {}, request.data_folder, observer));
   observer.line("wrote",
                 (request.output == "-" ? "standard output" : request.output) + ": " + summary);

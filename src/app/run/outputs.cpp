@@ -296,13 +296,9 @@ std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
   return 0;
 }
 
-namespace {
-
 std::string frames_text(int frames, const FrameRate& rate) {
   return count_text(frames, "frame") + " at " + to_text(rate) + " fps";
 }
-
-}  // namespace
 
 std::string outputs_text(std::span<const WrittenFile> files, const RobotClip* motion) {
   std::vector<std::string> names;

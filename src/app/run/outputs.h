@@ -161,6 +161,9 @@ class MotionOutputs {
 void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,
                     const SaveOptions& options, Observer& observer);
 
+/// `500 frames at 50 fps`.
+[[nodiscard]] std::string frames_text(int frames, const FrameRate& rate);
+
 /// File names such as `walk.csv`, or `standard output`, separated by commas. Files whose frames are
 /// not those of the motion have their number and rate: `walk.npz (500 frames at 50 fps)`.
 /// @param motion  null: names only.

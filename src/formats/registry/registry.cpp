@@ -238,7 +238,7 @@ RobotClip stored_clip(const RobotClip& clip, MotionFormat format, const Tracking
   for (int frame = 0; frame < stored.frame_count(); ++frame) {
     const auto qpos = stored.qpos(frame);
     std::ranges::copy(clip.qpos(frame), qpos.begin());
-    if (!row.is_float32) continue;
+    if (!row.is_float32 || resampled) continue;
     for (double& value : qpos) value = static_cast<float>(value);
   }
   return stored;

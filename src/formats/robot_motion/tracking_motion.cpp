@@ -203,7 +203,7 @@ TrackingLayout tracking_layout(const Robot& robot, MotionFormat format) {
 }
 
 TrackingOptions conversion_options(TrackingOptions options, const FrameRate& motion) {
-  options.until_last = same_rate(options.rate, motion);
+  options.until_last = options.until_last || same_rate(options.rate, motion);
   return options;
 }
 

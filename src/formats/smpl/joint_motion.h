@@ -50,9 +50,9 @@ struct JointMotion {
 /// (samples, joints, 3, frames). Kimodo's files also have rotations.
 ///
 /// The rate is read from `fps` or a similar array. Without one, the usual rate of the data set is
-/// assumed with a warning: 20 fps for the 22 joints of HumanML3D and MDM without names in the file,
-/// which have Y up by definition,
-/// 120 fps for holosoma's 53 joints, 30 fps for `global_joint_positions` and for Kimodo.
+/// assumed with a warning: 20 fps for 22 joints without names in the file, which are then those of
+/// HumanML3D and MDM and have Y up by definition, 120 fps for holosoma's 53 joints, 30 fps for
+/// `global_joint_positions` and for Kimodo.
 /// Errors: other shapes, no frames, numbers that are not finite, no known rate, several motions
 /// without a choice, a wrong number of names.
 [[nodiscard]] Result<JointMotion> read_joint_motion(const ArraySource& file,

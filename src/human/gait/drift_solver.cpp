@@ -85,10 +85,11 @@ class DriftSolver {
     }
   }
 
-  // Climb of the stances that the drift adds, per step. A body may climb in truth.
+  // Climb of the stances that the correction adds, per step. A body on several levels may climb in
+  // truth; on one level, all of the climb is an error.
   [[nodiscard]] double added_climb() {
     double before = 0.0;
-    without_drift([&] { before = climb_of_level(); });
+    if (on_levels_) without_drift([&] { before = climb_of_level(); });
     return climb_of_level() - before;
   }
 
@@ -97,7 +98,7 @@ class DriftSolver {
   }
 
   // Feet that roll sink, or rise, alike in all stances, and the root does not. Finds the step with
-  // which the stances do not climb, starting at the median, which is inexact in a short clip with
+  // which the correction adds no climb, starting at the median, which is inexact in a short clip with
   // noise. A box on which the body steps remains far from the other stances.
   void solve_with_level_stances() {
     constexpr double kMuchNearer = 0.5;
@@ -371,7 +372,7 @@ class DriftSolver {
   PlantedParts parts_;
   bool vertical_, climbs_;
   bool on_levels_ = false;  // Whether the stances are on several levels without the drift.
-  bool levels_ = false;     // Whether rolling_ follows the climb of the stances.
+  bool levels_ = false;     // Whether rolling_ follows the climb that the correction adds.
   double rate_;
   double turning_;                        // Turning speed above which a foot hardly stands, m/s.
   double step_;                           // Movement of a standing end per frame, metres.

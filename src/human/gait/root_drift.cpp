@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 
 #include "human/gait/end_tracks.h"
 #include "human/gait/planted_parts.h"
@@ -76,14 +75,13 @@ RootEvidence measure_root(const SourceFeet& feet, const std::vector<Vector3d>& h
   if (!has_whole_feet(feet)) return evidence;
   const EndTracks tracks(feet);
   const std::vector<char> falls = frames_in_free_fall(feet, tracks);
-  std::optional<PlantedParts> parts;
-  if (!hips.empty()) parts.emplace(feet, tracks, hips);
+  const PlantedParts parts(feet, tracks, hips);
   std::vector<double> speeds, single_speeds, climbing(tracks.count, NAN), climbs;
   for (std::size_t i = 0; i < tracks.count; ++i) {
     if (falls[i] != 0) continue;
     const bool upright = is_upright(feet, tracks, i);
     const auto is_steady = [&](int foot) {
-      return tracks.turning(foot, i) < kSame && !(parts && parts->is_carried(foot, i));
+      return tracks.turning(foot, i) < kSame && !parts.is_carried(foot, i);
     };
     const std::array<bool, 2> steady = {is_steady(0), is_steady(1)};
     const bool same = (tracks.velocity(0, i) - tracks.velocity(1, i)).norm() < kSame;

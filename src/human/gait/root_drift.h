@@ -9,7 +9,8 @@ namespace retarget {
 
 /// Evidence of root errors from standing feet. A foot stands if it does not turn, and is the lower
 /// foot or moves like the other one; this does not depend on the root. No foot stands while the
-/// body is in free fall, or if the body carries it. Lengths and speeds refer to a body with legs of kUsualSourceLeg.
+/// body is in free fall, or if the body carries it. Lengths and speeds refer to a body with legs of
+/// kUsualSourceLeg.
 struct RootEvidence {
   double seconds = 0.0;  ///< Time in which both feet stand.
   double speed = 0.0;    ///< Speed that they exceed in 65 % of this time, m/s; 0 for an exact root.
@@ -32,10 +33,9 @@ struct RootEvidence {
   [[nodiscard]] bool climbs() const;
 };
 
-/// @param hips  hip positions by frame, which tell carried feet (planted_parts.h); world, metres;
-///              empty: unknown
+/// @param hips  hip positions by frame, which tell carried feet (planted_parts.h); world, metres
 [[nodiscard]] RootEvidence measure_root(const SourceFeet& feet,
-                                        const std::vector<Eigen::Vector3d>& hips = {});
+                                        const std::vector<Eigen::Vector3d>& hips);
 
 /// Whether the root translation is missing or centred, rather than noisy: the hips hardly move, and
 /// even the slowest end of a foot moves faster.

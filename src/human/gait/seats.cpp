@@ -34,7 +34,8 @@ bool limbs_carry(const HumanClipInfo& human, const HumanPose& pose, Bone top, do
   const auto place = [&](Bone bone) -> const Vector3d& { return pose[bone].translation; };
   const Vector3d& hips = place(Bone::kHips);
   const Vector3d trunk = place(top) - hips;
-  if (trunk.z() > kUprightTrunk * trunk.norm()) return false;
+  // Also false for a body whose trunk is unknown.
+  if (trunk.z() >= kUprightTrunk * trunk.norm()) return false;
   const Vector3d feet = 0.5 * (place(Bone::kLeftFoot) + place(Bone::kRightFoot)) - hips;
   if (trunk.head<2>().dot(feet.head<2>()) > 0.0) return false;
   const auto is_low = [&](Bone bone) {

@@ -445,11 +445,10 @@ std::optional<Warning> doubt_root_path(const Clip& clip, const BoneMap& map, con
 
 std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map) {
   std::vector<Warning> warnings;
-  if (!map.has(Bone::kHips) || !is_long_enough(clip)) return warnings;
-  const Body body(clip.skeleton(), map);
   // Positions have no angles, and one unit.
-  const bool is_made = !clip.origin().unknown_rotations.empty();
-  if (is_made) return warnings;
+  const bool has_positions_only = !clip.origin().unknown_rotations.empty();
+  if (has_positions_only || !map.has(Bone::kHips) || !is_long_enough(clip)) return warnings;
+  const Body body(clip.skeleton(), map);
   if (auto warning = convert_radians(clip, body)) warnings.push_back(*std::move(warning));
   if (auto warning = check_root(clip, body)) warnings.push_back(*std::move(warning));
   return warnings;

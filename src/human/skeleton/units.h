@@ -80,7 +80,8 @@ struct BodySize {
 ///   ratio of two units, the slowest foot is less than 0.4 times as fast, and less than half as
 ///   fast as without any translation. It is converted.
 ///
-/// A scale that is not a ratio of two units stays unchanged.
+/// A scale that is not a ratio of two units stays unchanged, and so does a clip made from joint
+/// positions: it has no angles, and one unit.
 /// @return one warning per change or uncertain assumption
 [[nodiscard]] std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map);
 

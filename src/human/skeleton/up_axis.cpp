@@ -78,7 +78,8 @@ class UpChooser {
     return along.on_floor() || along.may_rest();
   }
 
-  // Whether the lowest joint stays at height 0 along the first axis only.
+  // Whether the lowest joint stays at height 0 along the first axis, and the body cannot rest on a
+  // floor along the other one.
   [[nodiscard]] bool has_floor_rather_than(const SignedAxis& axis, const SignedAxis& other) const {
     return floor(axis).on_floor() && !may_have_floor(other);
   }
@@ -266,11 +267,12 @@ class UpChooser {
                                     zero.source, to_text(zero.axis), taken_text(taken.axis))};
   }
 
-  // A body that tumbles or dives falls along any of its axes. One that stands is never turned over:
-  // a landing in a smoothed recording resembles a fall the other way round.
+  // A body that tumbles or dives falls along any of its axes. One that stands is not turned over: a
+  // landing in a smoothed recording resembles a fall the other way round.
   [[nodiscard]] UpChoice by_fall(const SignedAxis& up) const {
     if (guess_.axis == up || guess_.certainty < kMinCertainty) return {up, {}};
-    const bool stands = guess_.certainty > kPlainly && floor(guess_.axis).standing();
+    const bool stands =
+        guess_.axis == opposite(up) && guess_.certainty > kPlainly && floor(guess_.axis).standing();
     const SignedAxis taken = stands ? guess_.axis : up;
     return {taken, fmt::format("trunk and legs point along {}, but the body falls along {}: {}",
                                to_text(guess_.axis), to_text(opposite(up)), taken_text(taken))};

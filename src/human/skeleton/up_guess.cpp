@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "human/skeleton/up_evidence.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/statistics.h"
@@ -46,18 +47,10 @@ std::vector<double> lowest_levels(const std::vector<JointPoses>& poses, const Ei
   return lowest;
 }
 
-double size_of(const Body& body) {
-  double size = 0.0;
-  for (const Bone bone : {Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kRightUpLeg, Bone::kRightLeg}) {
-    size += 0.5 * length_by_offsets(body, bone);
-  }
-  return size;
-}
-
 // Variation of the lowest joint's level along an axis: tenth to fiftieth percentile of the poses,
 // which excludes jumps; in legs, at most 1.
 double floor_wander(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
-  const double leg = size_of(body);
+  const double leg = leg_length(body);
   const std::vector<double> lowest = lowest_levels(poses, up.direction());
   if (leg <= 0.0 || lowest.empty()) return 0.0;
   return std::min((median(lowest) - percentile(lowest, 10.0)) / leg, 1.0);

@@ -67,7 +67,7 @@ class WindowFitter final : public MovingFit {
   void restore(const Before& before);
   bool steps(int begin, int end, const std::function<bool()>& keep_going);
   bool settle(int first_step, const std::function<bool()>& keep_going);
-  bool finish(const std::function<bool()>& keep_going);
+  bool finish(int first_step, const std::function<bool()>& keep_going);
   void add_dynamics(int first_step, const std::function<bool()>& keep_going);
   void iterate(bool move_anchors, bool look_for_pairs);
   std::optional<double> eliminate(bool move_anchors, bool look_for_pairs);
@@ -155,7 +155,7 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
                 : options_.iterations;
   const bool running = steps(0, first_with_dynamics, keep_going);
   if (!dynamics_) {
-    finish(keep_going);
+    finish(options_.iterations, keep_going);
   } else if (running && settle(first_with_dynamics, keep_going)) {
     add_dynamics(first_with_dynamics + settling_steps_, keep_going);
   }
@@ -170,8 +170,10 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   // Share of frames with distrusted contacts above which unknown supports must carry the body.
   constexpr double kMostlyDistrusted = 0.75;
   const auto take_last_steps = [&] {
-    return steps(first_step, options_.iterations + settling_steps_, keep_going) &&
-           finish(keep_going);
+    // Without dynamics, the settling steps are some of the window's own steps.
+    const int end = with_dynamics_ ? options_.iterations + settling_steps_
+                                   : std::max(first_step, options_.iterations);
+    return steps(first_step, end, keep_going) && finish(end, keep_going);
   };
   const double unexplained = dynamics_->begin(clip_);
   bool failed = !std::isfinite(unexplained), running = !failed;
@@ -220,22 +222,24 @@ bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_g
   return true;
 }
 
-// Runs extra steps, from `first_step` on, until the window has nearly converged.
+// Runs extra steps, from `first_step` on, until the window has nearly converged. A window without a
+// successful step does not settle.
 bool WindowFitter::settle(int first_step, const std::function<bool()>& keep_going) {
-  while (settling_steps_ < options_.extra_iterations && status_.predicted_decrease > kSettled) {
+  while (status_.steps > 0 && !status_.failed && settling_steps_ < options_.extra_iterations &&
+         status_.predicted_decrease > kSettled) {
     const int step = first_step + settling_steps_++;
     if (!steps(step, step + 1, keep_going)) return false;
   }
   return true;
 }
 
-// Runs extra steps while the predicted decrease is large, for example for overlapping bodies or a
+// Runs extra steps, from `first_step` on, while the predicted decrease is large, for example for overlapping bodies or a
 // body that rises from the floor. With dynamics, the goals change in every step; only windows with
 // deep overlaps continue.
-bool WindowFitter::finish(const std::function<bool()>& keep_going) {
+bool WindowFitter::finish(int first_step, const std::function<bool()>& keep_going) {
   if (with_dynamics_ && worst_overlap_ <= square(kDeepOverlap)) return true;
-  const int first = options_.iterations + settling_steps_;
-  for (int i = first; i < first + options_.extra_iterations; ++i) {
+  const int end = options_.extra_iterations + (with_dynamics_ ? first_step : options_.iterations);
+  for (int i = first_step; i < end; ++i) {
     if (status_.steps == 0 || status_.predicted_decrease <= kFitTolerance) break;
     if (!steps(i, i + 1, keep_going)) return false;
   }

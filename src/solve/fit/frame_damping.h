@@ -7,8 +7,8 @@
 
 namespace retarget {
 
-/// Levenberg-Marquardt damping of a window, one factor per frame. It grows if a step raised the cost
-/// of the frame and decays otherwise.
+/// Levenberg-Marquardt damping of a window, one factor per frame. It grows if a step raised the
+/// cost of the frame and decays otherwise.
 class FrameDamping {
  public:
   /// The only state between steps.
