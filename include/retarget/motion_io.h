@@ -169,7 +169,7 @@ struct TrackingOptions {
                                      const TrackingOptions& options = {});
 
 /// The frames and numbers of a motion that its file holds: all except the last for an NPZ, rounded
-/// to float32 if the format stores these. A motion that the file has at another rate stays as it is.
+/// to float32 if the format stores these. A motion that the file has at another rate is unchanged.
 [[nodiscard]] RobotClip stored_clip(const RobotClip& clip, MotionFormat format,
                                     const TrackingOptions& options = {});
 

@@ -161,20 +161,20 @@ struct FitOptions {
                                     ///< clearance.
 
   /// Weight of the distance from heel or toe to its anchor, per metre.
-  double contact_weight = 1150.0;
+  double contact_weight = 1000.0;
   /// Weight of the height of a heel or toe in contact above its surface, per metre.
   double contact_height_weight = 400.0;
   /// Weight of the distance from a knee, elbow, hand, seat or back in contact to its anchor, per
   /// metre.
-  double body_contact_weight = 490.0;
+  double body_contact_weight = 500.0;
   /// Weight of the height of these bodies above the floor, per metre.
   double body_contact_height_weight = 280.0;
 
-  double sole_floor_weight = 600.0;  ///< Weight of the depth of sole points below sole_margin, per
+  double sole_floor_weight = 400.0;  ///< Weight of the depth of sole points below sole_margin, per
                                      ///< metre.
   double sole_margin = 0.002;        ///< Clearance below which a swing foot is penalised, metres.
   /// Weight of the depth of other bodies below body_margin, per metre.
-  double body_floor_weight = 1600.0;
+  double body_floor_weight = 800.0;
   double body_margin = 0.006;  ///< Clearance below which other bodies are penalised, metres.
 
   /// Weight of the distance from a body in contact to its surface of the scene, per metre.
@@ -188,7 +188,7 @@ struct FitOptions {
   double scene_margin = 0.004;  ///< Clearance from other bodies of the scene below which links are
                                 ///< penalised, metres.
 
-  double self_collision_weight = 500.0;  ///< Weight of the overlap of two shapes, per metre.
+  double self_collision_weight = 600.0;  ///< Weight of the overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Distance below which two shapes are penalised, metres.
 
   /// Weight of the depth inside the margin before a joint limit (3 % of the range), relative to the

@@ -45,7 +45,8 @@ class FitStatusTest : public testing::Test {
 TEST_F(FitStatusTest, DoesNotReportAClipThatConverges) {
   const FitReport report = report_of({});
   EXPECT_TRUE(report.status.converged);
-  EXPECT_EQ(report.status.steps, FitOptions{}.iterations);
+  EXPECT_GE(report.status.steps, FitOptions{}.iterations);
+  EXPECT_LT(report.status.steps, FitOptions{}.iterations + FitOptions{}.extra_iterations);
   EXPECT_EQ(report.status.failed_blocks, 0);
   EXPECT_LE(report.status.predicted_decrease, kFitTolerance);
   EXPECT_GT(report.status.predicted_decrease, 0.0);

@@ -16,7 +16,7 @@ class FrameDampingTest : public FitModelTest {
  protected:
   void SetUp() override {
     FitModelTest::SetUp();
-    damping_.emplace(model_, 2);
+    damping_.emplace(model_, 2, false);
     damping_->adapt(0, 100.0);
   }
 

@@ -81,8 +81,8 @@ TEST(LimbDetours, IsIndependentOfTheFrameRate) {
 // rounding would decide which of them the fit's first step slows down.
 TEST(LimbDetours, DoNotAmplifyRounding) {
   const RobotCase robot = robot_case("unitree_g1");
-  const auto once = fitted(swing_past_the_shoulder_line(7, {30, 1}, 20.0), robot);
-  const auto again = fitted(swing_past_the_shoulder_line(7, {30, 1}, 20.0 + 1e-10), robot);
+  const auto once = fitted(swing_past_the_shoulder_line(), robot);
+  const auto again = fitted(swing_past_the_shoulder_line(14, {30, 1}, 1e-10), robot);
   ASSERT_THAT(once->report.notes, Contains(HasSubstr("branch")));
   double most = 0.0;
   for (int t = 0; t < once->clip.frame_count(); ++t) {

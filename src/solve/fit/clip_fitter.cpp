@@ -30,6 +30,8 @@ constexpr int kBase = KinematicTree::kBaseDofs;
 constexpr double kMaxTurn = 0.15, kMaxMove = 0.2;
 constexpr int kPairsEvery = 4;         // Steps between two updates of the near pairs.
 constexpr double kPairsWithin = 0.04;  // Metres.
+// Near pairs of a frame of a stream for which there is room; more of them allocate.
+constexpr std::size_t kUsualPairs = 256;
 // Initial share of the anchor weight. An anchor is the mean position of the foot end that it holds,
 // so at full weight neither would move.
 constexpr double kFirstHold = 0.12;
@@ -136,7 +138,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       pairs_(at(window.end - window.begin)),
       pairs_stay_(
           std::max(0.0, 0.5 * (kPairsWithin - options.self_collision_margin - kOverlapBand))),
-      damping_(model, pairs_.size()),
+      damping_(model, pairs_.size(), window.begin == window.end),
       held_(model, pairs_.size()),
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
@@ -459,7 +461,10 @@ void WindowFitter::move(int begin, int forgotten) {
   // Rotating instead of erasing keeps the lists' memory.
   std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
   pairs_.resize(size);
-  for (std::size_t i = kept; i < size; ++i) pairs_[i].forget();
+  for (std::size_t i = kept; i < size; ++i) {
+    pairs_[i].forget();
+    pairs_[i].pairs.reserve(kUsualPairs);
+  }
   places_.resize();
 }
 

@@ -1,6 +1,7 @@
 #include "solve/fit/frame_damping.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "solve/fit/shorthand.h"
 
@@ -21,9 +22,13 @@ constexpr double kAngleCurvature = 1000.0, kLengthCurvature = 10000.0;
 
 }  // namespace
 
-FrameDamping::FrameDamping(const FitModel& model, std::size_t frames)
+FrameDamping::FrameDamping(const FitModel& model, std::size_t frames, bool slides)
     : state_{std::vector<double>(frames, 0.0), std::vector<double>(frames, 1e300)},
       largest_(at(model.dof_count()), kAngleCurvature) {
+  if (slides) {
+    std::ranges::fill(largest_, std::numeric_limits<double>::infinity());
+    return;
+  }
   const double of_lengths = kLengthCurvature * square(kUsualLeg / model.leg);
   std::fill_n(largest_.begin(), kPosition, of_lengths);
   for (std::size_t link = 1; link < model.tree.links().size(); ++link) {

@@ -16,14 +16,16 @@ class FrameDamping {
     std::vector<double> factors, costs;
   };
 
-  FrameDamping(const FitModel& model, std::size_t frames);
+  /// @param slides  the window moves with a stream. Its frames take few steps, so they are damped in
+  ///     proportion to the whole diagonal: they must not overshoot.
+  FrameDamping(const FitModel& model, std::size_t frames, bool slides);
 
   /// Adapts the factor of a frame to its cost before the step.
   void adapt(std::size_t frame, double cost);
   /// Damps the frame as strongly as possible in the next step.
   void maximise(std::size_t frame);
 
-  /// What to add to the frame's Hessian diagonal for a degree of freedom.
+  /// Damping of a degree of freedom, for the Hessian diagonal of the frame.
   [[nodiscard]] double of(std::size_t frame, std::size_t dof, double diagonal) const;
 
   /// Drops the first frames of a moving window; new frames at its end are not damped.
