@@ -178,6 +178,19 @@ TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
   EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("unknown contacts")));
 }
 
+// The body rises and sinks as on a trampoline, so unknown supports carry it in most frames: the
+// result equals the one without the term, bit for bit.
+TEST_F(FitDynamicsTest, IsRevertedIfMostSupportsAreUnknown) {
+  Clip walk = sampled_frames("walk.bvh", 60, 180);
+  for (int t = 0; t < walk.frame_count(); ++t) {
+    walk.translations(t)[0].y() += 8.0 * (1.0 - std::cos(2.0 * M_PI * t / 45.0));
+  }
+  const FitResult without = fitted(walk, without_dynamics()), with = fitted(walk, {});
+  EXPECT_TRUE(with.report.windows.front().dynamics_taken_back);
+  EXPECT_EQ(largest_difference(without.clip, with.clip), 0.0);
+  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("unknown contacts")));
+}
+
 TEST_F(FitDynamicsTest, HandlesShortClips) {
   for (const int frames : {1, 2, 3, 5}) {
     const FitResult result = fitted(sampled_frames("walk.bvh", 60, 60 + frames), {});

@@ -168,9 +168,6 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
 // Runs the last steps with dynamics. If dynamics do not help or cannot be computed, restores the
 // state and runs these steps without dynamics.
 void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& keep_going) {
-  constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
-  // Share of frames with distrusted contacts above which unknown supports must carry the body.
-  constexpr double kMostlyDistrusted = 0.75;
   const auto take_last_steps = [&] {
     // Without dynamics, the settling steps are some of the window's own steps.
     const int end = with_dynamics_ ? options_.iterations + settling_steps_
@@ -194,9 +191,7 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   if (!failed && !running) return;
   const double left = failed ? unexplained : dynamics_->measure(clip_);
   failed = failed || !std::isfinite(left);
-  const bool is_trusted =
-      status_.distrusted_frames <= kMostlyDistrusted * (window_.end - window_.begin);
-  if (!failed && is_trusted && left <= kWorse * unexplained + kNoise) return;
+  if (!failed && dynamics_->has_helped(unexplained, left)) return;
   restore(before);
   take_last_steps();
   status_.distrusted_frames = 0;

@@ -25,6 +25,8 @@ constexpr double kCarryReach = 0.04;
 constexpr double kAnkleShare = 0.7;
 // Dead zone of the unexplained wrench where ankle torques limit the pressure, share of the weight.
 constexpr double kAnkleDeadZone = 0.004;
+// Unexplained wrench above which contacts may be unknown, in body weights.
+constexpr double kDoubtful = 0.1;
 
 // By frame: mean over the frames at a distance of at most `reach`. @param sum  zero.
 template <typename T>
@@ -151,6 +153,23 @@ bool FitDynamics::plan(const FitClip& clip) {
   }
   planned_ = true;
   return true;
+}
+
+bool FitDynamics::has_helped(double before, double now) const {
+  constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
+  constexpr double kMostRemoved = 0.4;            // Share of the unexplained wrench that remains.
+  if (now > kWorse * before + kNoise) return false;
+  return now <= kMostRemoved * before || !is_mostly_unexplained();
+}
+
+// Whether most frames have unknown contacts or a doubtful unexplained wrench.
+bool FitDynamics::is_mostly_unexplained() const {
+  constexpr double kMost = 0.55;  // Share of the frames.
+  int unexplained = 0;
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    if (frames_[t].trust <= 0.0 || step_.unexplained()[t].norm() > kDoubtful) ++unexplained;
+  }
+  return unexplained > kMost * count_;
 }
 
 int FitDynamics::distrusted_frames() const {
@@ -428,8 +447,8 @@ void FitDynamics::fill_cone(int t, Vector3d FitContactPlace::*towards, double sh
 // and the fit can remove it. A lasting one is due to an unknown contact, such as a box or a hand on
 // a wall, and must not change the motion.
 void FitDynamics::find_trust() {
-  constexpr double kReach = 0.3;                   // Seconds.
-  constexpr double kDoubtful = 0.1, kWrong = 0.3;  // Mean unexplained wrench, share of body weight.
+  constexpr double kReach = 0.3;  // Seconds.
+  constexpr double kWrong = 0.3;  // Mean unexplained wrench, share of body weight.
   const std::vector<Vector6d> mean =
       means_around(step_.unexplained(), frames_within(kReach), Vector6d(Vector6d::Zero()));
   for (std::size_t t = 0; t < frames_.size(); ++t) {

@@ -57,6 +57,10 @@ class FitDynamics {
   /// Mean over the frames of the unexplained wrench of the current clip, in body weights. The value
   /// of a frame is at most 1 and is scaled by the trust in its contacts.
   double measure(const FitClip& clip);
+  /// Whether to keep the steps after which measure() returned `now`, from `before`. Unknown
+  /// supports, such as uneven ground, carry a body whose contacts explain less than half of it.
+  /// Then the goals of the dynamics terms are wrong.
+  [[nodiscard]] bool has_helped(double before, double now) const;
   /// Number of frames without trust: their contacts are unknown, so the dynamics terms are off.
   [[nodiscard]] int distrusted_frames() const;
   /// Computes the goals of the rows from the current clip. Call it before each step that uses
@@ -77,6 +81,7 @@ class FitDynamics {
 
   void read_frames(const FitClip& clip);
   [[nodiscard]] double missing_share() const;
+  [[nodiscard]] bool is_mostly_unexplained() const;
   [[nodiscard]] int frames_within(double seconds) const;
   void read_frame(const MotionState& state, int t, const FitClip& clip);
   void find_contacts(int t, const FitClip& clip, std::vector<FitContact>& contacts);

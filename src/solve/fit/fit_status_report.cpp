@@ -40,9 +40,10 @@ std::string not_converged(const FitStatus& window) {
 void note_taken_back(const std::vector<FitStatus>& parts, FitReport& report) {
   for (const FitStatus& part : parts) {
     if (!part.dynamics_taken_back) continue;
-    report.notes.push_back(
-        fmt::format("dynamics: no improvement in frames {} to {}; they remain unchanged",
-                    part.begin, part.end - 1));
+    report.notes.push_back(fmt::format(
+        "dynamics: no improvement, or mostly unknown contacts, in frames {} to {}; they "
+        "remain unchanged",
+        part.begin, part.end - 1));
   }
 }
 
