@@ -72,7 +72,7 @@ check_asan-input() {
   # Run only command line tests with unusual input; the others solve ordinary clips, slowly. Sweeps over
   # generated motions, and edits of clips, take minutes under sanitizers. check_asan runs all of them.
   ctest --preset fuzz --parallel "$((jobs + 1))" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
-    -E '^(cli\.(human|run|travel|determinism|evaluate|batch|batch_resume|glb|live_options|provenance|scene_outputs|trainer_formats|view_browser_scene|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robots|robot_to_robot|live_outputs|live_soak|perturbations|noise|batch_certify|batch_processes|configuration_choice|contact_edits|data_sets|edit|gallery.*|hands|inspect_page|live|live_blocked_outputs|odd_bodies|positions_motion|scene|setup|simulate|small_files_memory|terrain|time_scale|tracking_predictor|view|view_page)$|human\.LyingBodies\.|scene_world\.(DistanceField|SampleDistance)\.)'
+    -E '^(cli\.(human|run|travel|determinism|evaluate|batch|batch_resume|glb|live_options|provenance|scene_outputs|trainer_formats|view_browser_scene|fit_odd_sources|compare_peers|formats|conversions|inputs_are_spared|view_positions|turned_base|batch_merge|default_motion|docs_commands|own_files|robots|robot_to_robot|live_outputs|live_soak|perturbations|noise|batch_certify|batch_processes|configuration_choice|contact_edits|data_sets|edit|gallery.*|hands|inspect_page|live|live_blocked_outputs|odd_bodies|positions_motion|scene|setup|simulate|small_files_memory|terrain|time_scale|tracking_predictor|view|view_page)$|human\.LyingBodies\.|scene_world\.(DistanceField|SampleDistance)\.)'
 }
 
 check_tsan() {
