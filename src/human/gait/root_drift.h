@@ -69,6 +69,9 @@ struct DriftRule {
   /// If so: the standing feet climb with the root through the clip. Otherwise a common vertical
   /// speed of all stances is that of feet that roll, and the root does not have it.
   bool climbs = true;
+  /// FootNoise::wander of the legs, if nothing else shows that the root drifts; 0: the root drifts.
+  /// The horizontal part of a drift that this noise explains only has fast changes (keep_travel).
+  double wander = 0.0;
 };
 
 /// Finds the drift that makes foot ends that probably stand do so, and keeps them on one level if
