@@ -17,6 +17,7 @@
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/clip_range.h"
+#include "retarget/inspect.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/text.h"
@@ -137,6 +138,12 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
   notes.spikes = bridge_position_spikes(clip);
   notes.positions = clean_positions(clip);
   return notes;
+}
+
+Result<HumanInClip> find_human_as_run(Clip clip, const Options& options,
+                                      const std::string& data_folder) {
+  (void)clean_source_frames(clip, options);
+  return find_human(clip, options.human, data_folder);
 }
 
 void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
