@@ -54,9 +54,9 @@ class DriftSolver {
       // The rest must calm the feet on its own.
       measured_ = Vector3d(1.0, 1.0, 0.0);
     }
-    if (wander_ > 0.0) keep_travel(drift_, wander_, tracks_.frame_time);
     result.speed_after = speed_of_stances() * tracks_.scale;
     result.climb_after = climb_of_stances() * tracks_.scale;
+    if (wander_ > 0.0) keep_travel(drift_, wander_, tracks_.frame_time);
     without_drift([&] {
       result.speed_before = speed_of_stances() * tracks_.scale;
       result.climb_before = climb_of_stances() * tracks_.scale;

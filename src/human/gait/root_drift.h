@@ -51,7 +51,8 @@ struct RootDrift {
   /// Median speed of foot ends that probably stand, apart from that of rolling feet, m/s;
   /// horizontal if heights were discarded.
   double speed_before = 0.0;
-  double speed_after = 0.0;   ///< Value of speed_before after the drift is removed.
+  /// Value of speed_before after the drift is removed, also its slow part (DriftRule::wander).
+  double speed_after = 0.0;
   double climb_before = 0.0;  ///< Climb of these foot ends over the clip, metres.
   double climb_after = 0.0;   ///< Value of climb_before after the drift is removed.
   double farthest = 0.0;      ///< Largest distance of the drift from its median, metres.
