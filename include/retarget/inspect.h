@@ -7,6 +7,8 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 #include "retarget/human.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
 
 namespace RETARGET_API retarget {
 
@@ -20,6 +22,11 @@ struct Inspection {
   const Error* reason = nullptr;
   OptionSpelling spelling = option_as_field;
 };
+
+/// Recognises the human in a clip as a run with these options does (find_human): noise of joint
+/// positions is removed first, according to HumanOptions::clean.
+[[nodiscard]] Result<HumanInClip> find_human_as_run(Clip clip, const Options& options,
+                                                    const std::string& data_folder);
 
 /// The joints, the rate, the extents and the human as JSON that is safe to print on a terminal.
 [[nodiscard]] std::string inspection_json(const Inspection& found);

@@ -186,14 +186,13 @@ void save_clip(const ClipHandle& clip, const nb::object& file, std::optional<int
 
 // Describes a clip as text and JSON.
 nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::object& data_dir) {
-  HumanOptions how;
+  Options how;
   const std::string chosen = bytes_of_folder(data_dir);
-  apply_keywords(rows_for(OptionUse::kInspect, human_table(how)), options);
-  Clip clip = *handle;
+  apply_keywords(rows_for(OptionUse::kInspect, human_table(how.human)), options);
   const auto human = [&] {
     const nb::gil_scoped_release released;
     const auto folder = data_folder_of(chosen);
-    return folder ? find_human(clip, how, *folder) : failure(folder.error());
+    return folder ? find_human_as_run(*handle, how, *folder) : failure(folder.error());
   }();
   // Recognition failures are acceptable; invalid user options are not.
   if (!human && human.error().kind != ErrorKind::kInput) raise(human.error());

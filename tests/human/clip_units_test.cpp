@@ -225,20 +225,41 @@ TEST(ClipUnits, IgnoresFeetThatDoNotCarryTheBody) {
   EXPECT_TRUE(find_missing_root(clip, map, -Eigen::Vector3d::UnitY()));
 }
 
-// A degree of noise in all joints, and a frame in which the tracking was lost.
+// Noise in all joints with a correlation time of 0 or 0.2 s, and a frame in which the tracking was
+// lost.
 TEST(ClipUnits, IgnoresNoiseOfStandingFeet) {
-  Clip noisy = sample_of("wave", true);
-  std::mt19937 random(3);
-  std::normal_distribution<double> noise(0.0, M_PI / 180.0);
-  for (int frame = 0; frame < noisy.frame_count(); ++frame) {
-    for (Eigen::Quaterniond& rotation : noisy.rotations(frame)) {
-      rotation = rotation * exp_so3({noise(random), noise(random), noise(random)});
+  for (const char* name : {"wave", "turn_in_place"}) {
+    for (const double kept : {0.0, 0.85}) {
+      Clip noisy = sample_of(name, true);
+      std::mt19937 random(3);
+      std::normal_distribution<double> noise(0.0,
+                                             5.0 * M_PI / 180.0 * std::sqrt(1.0 - kept * kept));
+      std::vector<Eigen::Vector3d> errors(noisy.rotations(0).size(), Eigen::Vector3d::Zero());
+      for (int frame = 0; frame < noisy.frame_count(); ++frame) {
+        for (std::size_t joint = 0; joint < errors.size(); ++joint) {
+          errors[joint] *= kept;
+          errors[joint] += Eigen::Vector3d(noise(random), noise(random), noise(random));
+          noisy.rotations(frame)[joint] = noisy.rotations(frame)[joint] * exp_so3(errors[joint]);
+        }
+      }
+      for (Eigen::Quaterniond& rotation : noisy.rotations(noisy.frame_count() / 2)) {
+        rotation = Eigen::Quaterniond::Identity();
+      }
+      EXPECT_THAT(repair(noisy), IsEmpty()) << name << kept;
     }
   }
-  for (Eigen::Quaterniond& rotation : noisy.rotations(noisy.frame_count() / 2)) {
-    rotation = Eigen::Quaterniond::Identity();
+}
+
+// As in a run on the spot.
+TEST(ClipUnits, FindsAMissingPathUnderABouncingRoot) {
+  const Clip walk = sample_of("walk", true);
+  Clip centred = walk;
+  for (int frame = 0; frame < walk.frame_count(); ++frame) {
+    const double bounce = 0.04 * std::sin(2.0 * M_PI * 3.0 * frame * walk.rate().frame_time());
+    const double height = walk.translations(frame)[0].y();
+    centred.translations(frame)[0] = {0.0, height * (1.0 + bounce), 0.0};
   }
-  EXPECT_THAT(repair(noisy), IsEmpty());
+  EXPECT_THAT(repair(centred), ElementsAre(HasSubstr("the root does not")));
 }
 
 // A body that is carried, skates or sits in a vehicle moves without planted feet.

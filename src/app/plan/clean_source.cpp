@@ -17,6 +17,7 @@
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/clip_range.h"
+#include "retarget/inspect.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/text.h"
@@ -47,15 +48,24 @@ void look_above_noise(double foot_speed, FitOptions& fit) {
   fit.contact_release_height += kReleaseHigher * share;
 }
 
-// Drift of video estimates is smaller, so that the path itself may be wrong.
-void doubt_path(double root_moved, Plan& plan) {
-  constexpr double kUsualDrift = 0.5;  // Metres.
-  if (!(root_moved > kUsualDrift)) return;
-  plan.clip_doubts.push_back(
-      {0, 0,
-       fmt::format("the path of the root contradicted the feet by up to {} m and was corrected; "
-                   "the unit, scale or axes of the root translation may be wrong",
-                   number_text(root_moved, 2))});
+// Drift of video estimates is smaller than the usual one, so that the path itself may be wrong. Under
+// noisy legs even a smaller drift is uncertain.
+void doubt_path(const CleanReport& report, Plan& plan) {
+  constexpr double kUsualDrift = 0.5, kUncertainDrift = 0.2;  // Metres.
+  const std::string moved = number_text(report.root_moved, 2);
+  if (report.root_moved > kUsualDrift) {
+    plan.clip_doubts.push_back(
+        {0, 0,
+         fmt::format("the path of the root contradicted the feet by up to {} m and was corrected; "
+                     "the unit, scale or axes of the root translation may be wrong",
+                     moved)});
+  } else if (report.foot_noise.wander > 0.0 && report.root_moved > kUncertainDrift) {
+    plan.clip_doubts.push_back(
+        {0, 0,
+         fmt::format("the root was moved by up to {} m, according to feet whose legs have noise: "
+                     "its path is uncertain by as much",
+                     moved)});
+  }
 }
 
 // Interpolation over a long freeze would invent a movement, so the frames are kept.
@@ -130,6 +140,12 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
   return notes;
 }
 
+Result<HumanInClip> find_human_as_run(Clip clip, const Options& options,
+                                      const std::string& data_folder) {
+  (void)clean_source_frames(clip, options);
+  return find_human(clip, options.human, data_folder);
+}
+
 void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   if (!may_clean(clip, plan.options)) return;
   doubt_freezes(clip, plan);
@@ -147,7 +163,7 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
     plan.clip_notes.push_back({&note == report.notes.data() ? "cleaned" : "", note});
   }
   plan.clip_notes.push_back({"", OPTION("clean") " off uses the clip unchanged"});
-  doubt_path(report.root_moved, plan);
+  doubt_path(report, plan);
   look_above_noise(report.foot_noise.speed, plan.fit);
   constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
   plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_noise.speed / kNoisySpeed));

@@ -32,6 +32,10 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+bool has_positions_only(const Clip& clip) {
+  return !clip.origin().unknown_rotations.empty() && clip.frame_count() > 0;
+}
+
 class ClipCleaner {
  public:
   ClipCleaner(Clip& clip, FrameRange part, const Calibration& calibration,
@@ -45,7 +49,7 @@ class ClipCleaner {
     if (part_.end - part_.begin < kFewest) return {};
     bridge();
     // Rotations computed from positions follow the smoothed positions.
-    if (clip_.origin().unknown_rotations.empty()) smooth_rotations();
+    if (!has_positions_only(clip_)) smooth_rotations();
     jittery_ = report_.foot_noise.wander > 0.0;
     move_root();
     return std::move(report_);
@@ -64,7 +68,7 @@ class ClipCleaner {
       report_.notes.push_back(lost + ": bridged");
     }
     // Spikes of positions were bridged before their rotations were computed.
-    if (!clip_.origin().unknown_rotations.empty()) return;
+    if (has_positions_only(clip_)) return;
     for (const std::string& spike : bridge_spikes(clip_, part_, calibration_.metres_per_unit)) {
       report_.notes.push_back(spike + ": bridged");
     }
@@ -158,14 +162,15 @@ class ClipCleaner {
     if (moved < 0) return;
     const auto [feet, hips] = read_feet();
     if (feet.foot_count == 0) return;
-    const RootEvidence evidence = without_noise(measure_root(feet, hips), report_.foot_noise.speed);
+    const RootEvidence evidence = without_noise(measure_root(feet, hips));
     if (!jittery_ && !evidence.moves()) return;
     // This drift is not the path of a body whose root translation is missing: correcting it would
     // cover a part of the path and hide the fault from the gates.
     if (!jittery_ && root_is_missing(feet, hips)) return;
     // A leg that is not tracked moves with the hips, like a foot that stands while the root drifts.
     if (find_still_limbs(clip_, calibration_).leg) return;
-    const DriftRule rule{jittery_, jittery_ || evidence.climbs(), evidence.climbs_steadily};
+    const DriftRule rule{jittery_, jittery_ || evidence.climbs(), evidence.climbs_steadily,
+                         evidence.moves() ? 0.0 : report_.foot_noise.wander};
     const RootDrift found = find_root_drift(feet, hips, rule);
     if (found.drift.empty() || (!jittery_ && !found.helps())) return;
     if (!jittery_ && loses_contacts(found, moved, feet)) return;
@@ -176,7 +181,10 @@ class ClipCleaner {
   }
 
   // Speeds that the noise of the joints does not explain.
-  [[nodiscard]] static RootEvidence without_noise(RootEvidence evidence, double noise) {
+  [[nodiscard]] RootEvidence without_noise(RootEvidence evidence) const {
+    // Noise of positions is an upper bound, which would hide a drift.
+    if (has_positions_only(clip_)) return evidence;
+    const double noise = report_.foot_noise.speed;
     for (double* speed : {&evidence.speed, &evidence.single_speed, &evidence.shake_speed}) {
       *speed = std::sqrt(std::max(0.0, *speed * *speed - noise * noise));
     }
@@ -230,7 +238,7 @@ class ClipCleaner {
 
   // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
   void hold_feet(int moved, double speed) {
-    const bool of_positions = !clip_.origin().unknown_rotations.empty();
+    const bool of_positions = has_positions_only(clip_);
     // Noise of positions is an upper bound. Speeds of noise rarely exceed four times their median.
     constexpr double kRarely = 4.0;
     if (of_positions) {
@@ -337,10 +345,6 @@ bool remake(Clip& clip, const std::vector<std::vector<Vector3d>>& tracks) {
   remade->set_origin(clip.origin());
   clip = *std::move(remade);
   return true;
-}
-
-bool has_positions_only(const Clip& clip) {
-  return !clip.origin().unknown_rotations.empty() && clip.frame_count() > 0;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "base/math/banded_system.h"
+#include "human/gait/drift_travel.h"
 #include "human/gait/end_tracks.h"
 #include "human/gait/planted_parts.h"
 #include "human/gait/root_drift.h"
@@ -29,6 +30,7 @@ class DriftSolver {
         parts_(feet, tracks_, hips),
         vertical_(rule.vertical),
         climbs_(rule.climbs),
+        wander_(rule.wander),
         rate_(1.0 / tracks_.frame_time),
         turning_(rule.jittery ? 0.2 : 0.12),
         step_((rule.jittery ? 0.15 : 0.05) * tracks_.frame_time),
@@ -54,6 +56,7 @@ class DriftSolver {
     }
     result.speed_after = speed_of_stances() * tracks_.scale;
     result.climb_after = climb_of_stances() * tracks_.scale;
+    if (wander_ > 0.0) keep_travel(drift_, wander_, tracks_.frame_time);
     without_drift([&] {
       result.speed_before = speed_of_stances() * tracks_.scale;
       result.climb_before = climb_of_stances() * tracks_.scale;
@@ -371,6 +374,7 @@ class DriftSolver {
   std::vector<char> falls_;  // One per frame: whether the feet fall freely with the body.
   PlantedParts parts_;
   bool vertical_, climbs_;
+  double wander_;           // Metres; 0: the root drifts for certain.
   bool on_levels_ = false;  // Whether the stances are on several levels without the drift.
   bool levels_ = false;     // Whether rolling_ follows the climb that the correction adds.
   double rate_;

@@ -51,7 +51,8 @@ struct RootDrift {
   /// Median speed of foot ends that probably stand, apart from that of rolling feet, m/s;
   /// horizontal if heights were discarded.
   double speed_before = 0.0;
-  double speed_after = 0.0;   ///< Value of speed_before after the drift is removed.
+  /// Value of speed_before after the drift is removed, also its slow part (DriftRule::wander).
+  double speed_after = 0.0;
   double climb_before = 0.0;  ///< Climb of these foot ends over the clip, metres.
   double climb_after = 0.0;   ///< Value of climb_before after the drift is removed.
   double farthest = 0.0;      ///< Largest distance of the drift from its median, metres.
@@ -69,6 +70,9 @@ struct DriftRule {
   /// If so: the standing feet climb with the root through the clip. Otherwise a common vertical
   /// speed of all stances is that of feet that roll, and the root does not have it.
   bool climbs = true;
+  /// FootNoise::wander of the legs, if nothing else shows that the root drifts; 0: the root drifts.
+  /// The horizontal part of a drift that this noise explains only has fast changes (keep_travel).
+  double wander = 0.0;
 };
 
 /// Finds the drift that makes foot ends that probably stand do so, and keeps them on one level if

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "formats/bvh/euler_angles.h"
+#include "human/skeleton/foot_slides.h"
 #include "human/skeleton/up_evidence.h"
-#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {
@@ -29,7 +29,7 @@ class FootSteps {
   // @param up     unit vector in the file's axes. If known, parts of the body that are lower than
   //               the feet count as feet: they carry the body.
   FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
-            double seconds = kStepSeconds, const std::optional<Eigen::Vector3d>& up = std::nullopt);
+            const std::optional<Eigen::Vector3d>& up = std::nullopt);
 
   [[nodiscard]] bool empty() const { return steps_.empty(); }
   // Mean speed of the slowest ankle or toe with a scaled root translation, legs per second.
@@ -40,10 +40,9 @@ class FootSteps {
     for (const auto& step : steps_) sum += slowest_in(step, root_scale);
     return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
   }
-  // Median over the steps of the speed of the slowest ankle or toe.
-  [[nodiscard]] double usual_slowest_foot() const;
   // Mean speed of the root, legs per second.
-  [[nodiscard]] double root() const;
+  // @param measured  matrix that is applied to displacements
+  [[nodiscard]] double root(const Eigen::Matrix3d& measured = Eigen::Matrix3d::Identity()) const;
   // Mean cosine between trunk and legs, as seen from the hips: near 1 if they point the same way,
   // which no body does; 0 if unknown.
   [[nodiscard]] double fold() const { return fold_; }
@@ -77,35 +76,13 @@ struct StepFrames {
   int length = 1;
 };
 
-StepFrames frames_of_steps(const Clip& clip, double seconds) {
+StepFrames frames_of_steps(const Clip& clip) {
   StepFrames steps;
-  steps.length = std::max(1, static_cast<int>(std::lround(seconds * clip.rate().fps())));
+  steps.length = std::max(1, static_cast<int>(std::lround(kStepSeconds * clip.rate().fps())));
   const int count = clip.frame_count() - steps.length;
   const int stride = std::max(steps.length, count / kMaxSteps);
   for (int frame = 0; frame < count; frame += stride) steps.begins.push_back(frame);
   return steps;
-}
-
-std::vector<int> feet_of_body(const Body& body) {
-  std::vector<int> feet;
-  for (const LimbBone part : {LimbBone::kFoot, LimbBone::kToe}) {
-    for (const Side side : kSides) {
-      const int joint = body.joint(side_bone(side, part));
-      if (joint >= 0) feet.push_back(joint);
-    }
-  }
-  return feet;
-}
-
-// Other joints that may carry a body.
-std::vector<int> supports_of_body(const Body& body) {
-  std::vector<int> joints;
-  for (const Bone bone : {Bone::kLeftHand, Bone::kRightHand, Bone::kLeftForeArm,
-                          Bone::kRightForeArm, Bone::kLeftLeg, Bone::kRightLeg, Bone::kLeftArm,
-                          Bone::kRightArm, Bone::kHead, Bone::kSpine2, Bone::kHips}) {
-    if (body.joint(bone) >= 0) joints.push_back(body.joint(bone));
-  }
-  return joints;
 }
 
 // Mean cosine between trunk and legs.
@@ -123,7 +100,7 @@ double fold_of(const Body& body, const JointPoses& pose) {
 }
 
 FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
-                     double seconds, const std::optional<Vector3d>& up) {
+                     const std::optional<Vector3d>& up) {
   const double leg = leg_length(body);
   const std::vector<int> feet = feet_of_body(body);
   std::vector<int> joints = feet;
@@ -131,7 +108,7 @@ FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>&
     const std::vector<int> supports = supports_of_body(body);
     joints.insert(joints.end(), supports.begin(), supports.end());
   }
-  const StepFrames steps = frames_of_steps(clip, seconds);
+  const StepFrames steps = frames_of_steps(clip);
   if (!(leg > 0.0) || feet.empty() || steps.begins.empty()) return;
   // Comparing with the frame at doubled root translation isolates the contribution of the root.
   Clip twice(clip.shared_skeleton(), clip.rate(), 1);
@@ -166,15 +143,9 @@ FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>&
   }
 }
 
-double FootSteps::usual_slowest_foot() const {
-  std::vector<double> speeds;
-  for (const auto& step : steps_) speeds.push_back(slowest_in(step, 1.0));
-  return speeds.empty() ? 0.0 : median_in_place(speeds);
-}
-
-double FootSteps::root() const {
+double FootSteps::root(const Eigen::Matrix3d& measured) const {
   double sum = 0.0;
-  for (const auto& step : steps_) sum += step.front().by_root.norm();
+  for (const auto& step : steps_) sum += (measured * step.front().by_root).norm();
   return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
 }
 
@@ -387,23 +358,24 @@ bool is_long_enough(const Clip& clip) {
 }  // namespace
 
 std::optional<Warning> find_missing_root(const Clip& clip, const BoneMap& map, const Vector3d& up) {
-  constexpr double kRestingRoot = 0.25, kMovingFeet = 0.25;  // Legs per second.
-  // Noise, and frames in which the tracking is lost, move feet back and forth, but not over 0.2 s.
-  constexpr double kSlideSeconds = 0.2;
+  constexpr double kRestingRoot = 0.25, kMovingFeet = 0.3;  // Legs per second.
   if (!map.has(Bone::kHips) || !is_long_enough(clip)) return std::nullopt;
   const Body body(clip.skeleton(), map);
   const std::vector<int> slots = root_slots(clip.skeleton(), body);
-  const FootSteps steps(clip, body, slots, kStepSeconds, up);
-  const double speed = steps.slowest_foot(1.0);
-  if (!(steps.root() < kRestingRoot && speed > kMovingFeet && speed > steps.root())) {
-    return std::nullopt;
-  }
+  const FootSteps steps(clip, body, slots, up);
+  // The root of a run may be missing over the ground, and bounce.
+  const Eigen::Matrix3d everywhere = Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d over_ground = everywhere - up * up.transpose();
+  const auto is_missing = [&](const Eigen::Matrix3d& measured) {
+    const double root = steps.root(measured);
+    return root < kRestingRoot &&
+           steady_slide(clip, body, up, measured) > std::max(root, kMovingFeet);
+  };
+  if (!is_missing(everywhere) && !is_missing(over_ground)) return std::nullopt;
   if (moves_by_root_alone(clip, slots) && steps.root() > 0.0 &&
       has_another_scale(steps, best_scale(steps))) {
     return std::nullopt;
   }
-  const FootSteps slides(clip, body, slots, kSlideSeconds, up);
-  if (!(slides.usual_slowest_foot() > kMovingFeet)) return std::nullopt;
   return Warning{0, 0,
                  "the planted feet move and the root does not: the root translation is missing "
                  "or centred, and the motion slides in place"};
@@ -415,7 +387,7 @@ std::optional<Warning> doubt_root_path(const Clip& clip, const BoneMap& map, con
   constexpr double kLeast = 0.25, kNearlyOne = 1.3, kGreatest = 4.0;
   if (!map.has(Bone::kHips) || !is_long_enough(clip)) return std::nullopt;
   const Body body(clip.skeleton(), map);
-  const FootSteps steps(clip, body, root_slots(clip.skeleton(), body), kStepSeconds, up);
+  const FootSteps steps(clip, body, root_slots(clip.skeleton(), body), up);
   const double speed = steps.slowest_foot(1.0);
   if (!(steps.root() > kMovingRoot && speed > kMovingFeet)) return std::nullopt;
   const Eigen::Matrix3d along_up = up * up.transpose();

@@ -17,8 +17,9 @@ namespace retarget {
 namespace {
 
 // Mean cosines of trunk and legs to an axis: clearly standing, hardly standing, and the bounds for
-// negative axes, which files rarely use as up.
-constexpr double kPlainly = 0.5, kMinCertainty = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
+// negative axes, which files rarely use as up, for squats, and for bodies that are always upright.
+constexpr double kPlainly = 0.5, kMinCertainty = 0.3, kPlainlyNegative = 0.8, kMostly = 0.8,
+                 kBeyondDoubt = 0.95;
 
 // The hips of a lying body are lower than those of a standing one, by this share of a leg.
 constexpr double kLowerHips = 0.2;
@@ -282,6 +283,7 @@ class UpChooser {
   // is upright all the time, on a floor that is much steadier than the other one, certainly stands.
   [[nodiscard]] std::optional<UpChoice> lying_instead() const {
     const FloorEvidence along = floor(guess_.axis);
+    const bool squats = guess_.certainty > kMostly && guesses_common_axis() && along.squatting();
     const bool is_upright = guesses_common_axis() && along.on_floor() && along.standing() &&
                             guess_.certainty > kBeyondDoubt;
     for (const SignedAxis& other : kCommonAxes) {
@@ -290,7 +292,8 @@ class UpChooser {
       if (rival.hips > along.hips - kLowerHips) continue;
       if (is_upright && along.is_steadier_than(rival)) continue;
       const bool is_convention = guess_.axis == SignedAxis{};
-      const bool stays = (is_convention || is_upright) && !along.sinks_rather_than(rival);
+      const bool stays =
+          squats || ((is_convention || is_upright) && !along.sinks_rather_than(rival));
       return standing_or_lying(guess_.axis, other, stays ? guess_.axis : other);
     }
     return std::nullopt;

@@ -134,6 +134,18 @@ std::optional<bool> stands_flat(const Body& body, const JointPoses& pose, Side s
   return down > -kToesUp && down < kToesDown;
 }
 
+// Whether the hips stay at the origin, apart from noise. Those of a lying body are above its floor.
+bool is_centred(const std::vector<Vector3d>& hips) {
+  constexpr double kAtOrigin = 0.03, kNoise = 0.1;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> places;
+    for (const Vector3d& place : hips) places.push_back(place[axis]);
+    if (std::abs(median(places)) > kAtOrigin) return false;
+    if (percentile(places, 90.0) - percentile(places, 10.0) > kNoise) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool FloorEvidence::on_floor() const {
@@ -154,6 +166,11 @@ bool FloorEvidence::may_rest() const {
 bool FloorEvidence::is_far() const {
   constexpr double kFar = 0.5;
   return std::abs(level) > kFar;
+}
+
+bool FloorEvidence::squatting() const {
+  constexpr double kMoves = 0.2, kMuchLess = 0.3, kMostly = 0.5;
+  return on_floor() && flat.value_or(0.0) >= kMostly && sway > kMoves && span < kMuchLess * sway;
 }
 
 bool FloorEvidence::is_steadier_than(const FloorEvidence& other) const {
@@ -180,6 +197,7 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
   const Eigen::Vector3d direction = up.direction();
   std::vector<double> levels, hips, places;
   Eigen::AlignedBox3d roots;
+  std::vector<Vector3d> root_track;
   int flat = 0, seen = 0;
   for (const JointPoses& pose : poses) {
     const auto height = [&](Bone bone) {
@@ -190,7 +208,8 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
       if (body.has(bone)) lowest = std::min(lowest, height(bone));
     }
     levels.push_back(lowest);
-    roots.extend(pose[body.joint(Bone::kHips)].translation / leg);
+    root_track.emplace_back(pose[body.joint(Bone::kHips)].translation / leg);
+    roots.extend(root_track.back());
     places.push_back(height(Bone::kHips));
     hips.push_back(places.back() - lowest);
     bool is_flat = false, is_seen = false;
@@ -213,7 +232,7 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
   found.hips = median(hips);
   const bool rests = roots.sizes().maxCoeff() <= kMotionless;
   found.is_placed = rests ? std::abs(direction.dot(roots.center())) > kMotionless
-                          : roots.sizes()[up.axis] > kMotionless;
+                          : roots.sizes()[up.axis] > kMotionless && !is_centred(root_track);
   if (seen > 0) found.flat = static_cast<double>(flat) / seen;
   return found;
 }

@@ -37,7 +37,7 @@ struct FloorEvidence {
   /// directions are unknown.
   std::optional<double> flat;
   /// Whether the hips have positions along the axis: they move along it, or rest away from 0 in a
-  /// clip in which they do not move at all. False in centred motions.
+  /// clip in which they do not move at all. False in centred motions, also with noise.
   bool is_placed = false;
 
   /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
@@ -51,6 +51,9 @@ struct FloorEvidence {
   [[nodiscard]] bool is_far() const;
   /// Whether the hips are at standing height above flat feet.
   [[nodiscard]] bool standing() const;
+  /// Whether the hips move up and down above flat feet that rest at height 0, as in squats. Hips
+  /// of a lying body do not slide while its feet rest.
+  [[nodiscard]] bool squatting() const;
   /// Whether the lowest joint's height varies much less than it does along another axis, where the
   /// hips sway, too. The hips of a lying body do not leave its floor.
   [[nodiscard]] bool is_steadier_than(const FloorEvidence& other) const;
