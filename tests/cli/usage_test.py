@@ -174,6 +174,22 @@ class Mistakes(ToolTest):
                           "hint: retarget edit trim --help")
         self.assert_fails(self.run_tool("--no-such"), 2, "hint: retarget --help")
 
+    def test_numbers_of_values(self):
+        self.write("walk.bvh", short_clip("wave", 2))
+        run = ("walk.bvh", "g1", "-o", "x.csv")
+        for words, message in (
+                ((*run, "--mirror=maybe"), "--mirror takes no value"),
+                ((*run, "--mirror=2"), "--mirror takes no value"),
+                ((*run, "--quiet=x"), "--quiet takes no value"),
+                (("evaluate", "x.csv", "--all=maybe"), "--all takes no value"),
+                (("batch", "in", "-o", "out", "--resume=1e5"), "--resume takes no value"),
+                (("inspect", "walk.bvh", "--json=0.5"), "--json takes no value"),
+                ((*run, "--fps", "50", "--fps", "30"), "--fps is given more than once"),
+                ((*run, "--fps="), "--fps needs a value"),
+                ((*run, "--fps"), "--fps needs a value")):
+            self.assert_fails(self.run_tool(*words), 2, f"error: {message}", "--help lists the options")
+        self.assertEqual(self.files(), ["walk.bvh"])
+
     def test_all_missing_arguments_are_reported_together(self):
         for words, missing in (
                 ((), "no motion file, no robot and no output are given"),

@@ -47,6 +47,7 @@ void declare_row(CLI::App& command, const Option& row) {
     command
         .add_flag_function(
             names, [row](std::int64_t count) { static_cast<void>(row.set(count > 0)); }, help)
+        ->disable_flag_override()
         ->group(row.info.group);
     return;
   }
