@@ -178,12 +178,12 @@ class Mistakes(ToolTest):
         self.write("walk.bvh", short_clip("wave", 2))
         run = ("walk.bvh", "g1", "-o", "x.csv")
         for words, message in (
-                ((*run, "--mirror=maybe"), "--mirror takes no value"),
-                ((*run, "--mirror=2"), "--mirror takes no value"),
-                ((*run, "--quiet=x"), "--quiet takes no value"),
-                (("evaluate", "x.csv", "--all=maybe"), "--all takes no value"),
-                (("batch", "in", "-o", "out", "--resume=1e5"), "--resume takes no value"),
-                (("inspect", "walk.bvh", "--json=0.5"), "--json takes no value"),
+                ((*run, "--mirror=maybe"), '--mirror: expected no value, true or false, found "maybe"'),
+                ((*run, "--mirror=2"), '--mirror: expected no value, true or false, found "2"'),
+                ((*run, "--quiet=x"), '--quiet: expected no value, true or false, found "x"'),
+                (("evaluate", "x.csv", "--all=maybe"), '--all: expected no value, true or false, found "maybe"'),
+                (("batch", "in", "-o", "out", "--resume=1e5"), '--resume: expected no value, true or false, found "1e5"'),
+                (("inspect", "walk.bvh", "--json=0.5"), '--json: expected no value, true or false, found "0.5"'),
                 ((*run, "--fps", "50", "--fps", "30"), "--fps is given more than once"),
                 ((*run, "--fps="), "--fps needs a value"),
                 ((*run, "--fps"), "--fps needs a value")):

@@ -236,10 +236,7 @@ namespace {
 
 // Replaces messages of the parser about numbers of values, which name its internals.
 std::string plain_message(const std::string& message) {
-  const std::string option = message.substr(0, message.find_first_of(": "));
-  if (message.ends_with("was given a disallowed flag override")) {
-    return (option.size() == 1 ? "-" : "--") + option + " takes no value";
-  }
+  const std::string option = message.substr(0, message.find(':'));
   if (message.find(": At Most 1 required") != std::string::npos) {
     return option + " is given more than once";
   }
