@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 // Enough for millions of rows; stops reading from an endless pipe.
 constexpr std::size_t kMaxTableBytes = std::size_t{256} << 20U;
 constexpr double kMaxEnd = 1e9;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 enum Column : std::size_t { kFile, kStart, kEnd, kName };
 constexpr std::array<std::string_view, 4> kColumns = {"file", "start", "end", "name"};
