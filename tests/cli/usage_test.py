@@ -1,11 +1,12 @@
 """How commands are called: words without options, short names, mistakes and their messages."""
 
 import re
+import shlex
 import shutil
 import subprocess
 import unittest
 
-from tool import SOURCE, ToolTest, sample, short_clip
+from tool import SOURCE, TOOL, ToolTest, sample, short_clip
 
 COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "live", "robots", "verify")
 
@@ -154,10 +155,10 @@ class Mistakes(ToolTest):
 
         def completed(*words):
             asked = " ".join(f"'{word}'" for word in ("retarget", *words))
-            line = (f". ./complete.sh; COMP_WORDS=({asked}); COMP_CWORD={len(words)}; _retarget; "
+            line = (f". ./complete.sh; COMP_WORDS=({asked}); COMP_CWORD={len(words)}; _retarget {shlex.quote(TOOL)}; "
                     'printf "%s\\n" "${COMPREPLY[@]}"')
             return subprocess.run([bash, "-c", line], cwd=self.folder, text=True, timeout=60,
-                                  capture_output=True).stdout.split()
+                                  capture_output=True, env=self.tool_environment()).stdout.split()
 
         self.assertEqual(completed("--method", ""), ["fit", "gmr"])
         self.assertEqual(completed("--tpose-fr"), ["--tpose-frame"])
@@ -165,6 +166,11 @@ class Mistakes(ToolTest):
         self.assertIn("concat", completed("edit", "conc"))
         self.assertIn("--search", completed("edit", "concat", "--sea"))
         self.assertIn("complete.sh", completed("--map", "comp"))
+        self.assertIn("unitree_g1", completed("--robot", "unitree_"))
+        self.assertEqual(completed("edit", "rest", "--from-robot", "booster_k"), ["booster_k1"])
+        self.assertEqual(completed("batch", "--format", "npz-m"), ["npz-mjlab"])
+        self.assertEqual(completed("generate", "rob"), ["robot-pack"])
+        self.assertEqual(completed("help", "simu"), ["simulate"])
 
     def test_hints_name_the_help_of_the_command(self):
         for words in (("evaluate", "x.csv", "--no-such"), ("evaluate", "x.csv", "--fps"),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "declare_table.h"
+#include "retarget/enum_names.h"
 #include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/model_pack.h"
@@ -25,7 +26,7 @@ namespace {
 struct Told {
   std::string name, letter, type, group, help, standard;
   std::vector<std::string> words;  // Allowed values.
-  bool takes_value = false, is_path = false;
+  bool takes_value = false, is_path = false, is_robot = false;
 };
 
 struct Command {
@@ -33,6 +34,7 @@ struct Command {
   std::string help, arguments;
   std::vector<Told> options;
   std::vector<std::string> commands;  // Its subcommands.
+  std::vector<std::string> words;     // Further words that may follow.
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -42,6 +44,13 @@ std::vector<std::string> split(const std::string& text) {
 std::string upper_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
   return text;
+}
+
+// Lower-case types are literal values; `FILE` and `N` are placeholders.
+std::vector<std::string> literals_of(const std::string& type) {
+  std::vector<std::string> words = split(type);
+  std::erase_if(words, [](const std::string& word) { return word == upper_case(word); });
+  return words;
 }
 
 Told tell(const CLI::Option& option) {
@@ -54,10 +63,11 @@ Told tell(const CLI::Option& option) {
   told.help = option.get_description();
   std::ranges::replace(told.help, '\n', ' ');
   told.standard = option.get_default_str();
-  // Lower-case types are literal values; `FILE` and `N` are placeholders.
-  for (const std::string& word : split(told.type)) {
-    if (!word.empty() && word != upper_case(word)) told.words.push_back(word);
+  told.words = literals_of(told.type);
+  if (told.type.starts_with("FORMAT")) {
+    for (const auto& [format, name] : kEnumNames<MotionFormat>) told.words.emplace_back(name);
   }
+  told.is_robot = told.type.starts_with("NAME") && told.name.ends_with("robot");
   told.is_path =
       told.type.find("FILE") != std::string::npos || told.type == "DIR" || told.name == "robot";
   return told;
@@ -68,13 +78,18 @@ void collect(const CLI::App& app, const std::string& path, std::vector<Command>&
   command.path = path;
   command.help = app.get_description();
   for (const CLI::Option* option : app.get_options()) {
-    if (option->get_positional()) command.arguments += " " + option->get_type_name();
+    if (option->get_positional()) {
+      command.arguments += " " + option->get_type_name();
+      const std::vector<std::string> words = literals_of(option->get_type_name());
+      command.words.insert(command.words.end(), words.begin(), words.end());
+    }
     if (option->nonpositional() && !option->get_group().empty()) {
       command.options.push_back(tell(*option));
     }
   }
   const auto below = app.get_subcommands([](const CLI::App*) { return true; });
   for (const CLI::App* each : below) command.commands.push_back(each->get_name());
+  if (path == "help") command.words = commands.front().commands;
   commands.push_back(std::move(command));
   for (const CLI::App* each : below) {
     collect(*each, path.empty() ? each->get_name() : path + " " + each->get_name(), commands);
@@ -107,9 +122,11 @@ std::string bash_script(const std::vector<Command>& commands) {
     for (const Told& option : command.options) {
       if (!option.takes_value) continue;
       const std::string files = option.is_path ? " -f" : "";
-      text +=
-          fmt::format("    '{}:--{}') COMPREPLY=($(compgen{} -W '{}' -- \"$cur\")); return ;;\n",
-                      command.path, option.name, files, joined(option.words));
+      const std::string words = option.is_robot
+                                    ? "\"$(\"$1\" robots list 2>/dev/null | cut -d ' ' -f 1)\""
+                                    : "'" + joined(option.words) + "'";
+      text += fmt::format("    '{}:--{}') COMPREPLY=($(compgen{} -W {} -- \"$cur\")); return ;;\n",
+                          command.path, option.name, files, words);
     }
   }
   text += "  esac\n  case \"$path\" in\n";
@@ -119,7 +136,7 @@ std::string bash_script(const std::vector<Command>& commands) {
     text += fmt::format(
         "    '{}') if [[ $cur == -* ]]; then COMPREPLY=($(compgen -W '{}' -- \"$cur\"))\n"
         "      else COMPREPLY=($(compgen -f -W '{}' -- \"$cur\")); fi ;;\n",
-        command.path, joined(names), joined(command.commands));
+        command.path, joined(names), joined(command.commands) + " " + joined(command.words));
   }
   return text + "  esac\n}\ncomplete -o filenames -F _retarget retarget\n";
 }
