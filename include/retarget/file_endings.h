@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,8 +16,10 @@ namespace RETARGET_API retarget {
 /// Whether a batch that searches folders for motions of humans, or of robots, takes this file.
 [[nodiscard]] bool is_human_ending(std::string_view ending);
 [[nodiscard]] bool is_robot_ending(std::string_view ending);
-/// Whether files with this extension are robot motions and never human ones.
-[[nodiscard]] bool is_robots_alone(std::string_view ending);
+/// Whether files with this extension may be human motions, which only their content shows: pickles.
+[[nodiscard]] bool may_be_human_ending(std::string_view ending);
+/// Whether a file of arrays holds a human motion. @param max_bytes  larger files do not.
+[[nodiscard]] bool holds_human_motion(const std::string& path, std::size_t max_bytes);
 /// Extensions of these files for messages: `.bvh, .fbx or .npz`.
 [[nodiscard]] std::string human_endings_text();
 [[nodiscard]] std::string robot_endings_text();

@@ -27,8 +27,8 @@ namespace RETARGET_API retarget {
 
 /// Applies a user's changes to the default gates, in order. A text is the name of a gate file,
 /// `METRIC<=MAX`, `METRIC>=MIN`, `METRIC=MAX`, `METRIC=none`, `none` (no gates at all) or `default`
-/// (no change; it does not undo `none`). The first text on a metric replaces its gate; `<=` and
-/// `>=` on the same metric combine to one gate. The suffix after the last `_` of a metric's name
+/// (no change; it does not undo `none`). The first text on a metric replaces its gate; further
+/// ones add bounds, of which the stricter applies. The suffix after the last `_` of a metric's name
 /// may be omitted: `limb_angle` for `limb_angle_deg`. Errors: unknown metrics and invalid numbers
 /// (kUsage), errors in a file (kConfig).
 [[nodiscard]] Result<Gates> changed_gates(const std::vector<std::string>& texts,

@@ -145,6 +145,8 @@ def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = N
         gates: None: the default gates; a dictionary (values: maximum, (minimum, maximum), or
             None for no gate) or a file changes some of them; False: no gates.
     """
+    if not isinstance(motion, _retarget.Motion):
+        raise ArgumentTypeError(f"motion: expected a Motion, found {type(motion).__name__}")
     given: dict[str, Any] = dict(options)
     source = _taken(given, names_of("SourceOptions") - names_of("EvaluateOptions"))
     if clip is not None:

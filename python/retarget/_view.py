@@ -107,6 +107,8 @@ def picture(motion: _retarget.Motion, output: StrPath | None = None, *, poses: i
     """
     if not isinstance(motion, _retarget.Motion):
         raise ArgumentTypeError(f"motion: expected a Motion, found {type(motion).__name__}")
+    if isinstance(poses, bool) or not hasattr(poses, "__index__"):
+        raise ArgumentTypeError(f"poses: expected a whole number, found {poses!r}")
     file = None if output is None else Path(os.fsdecode(output))
     is_svg = file is not None and file.suffix.lower() == ".svg"
     content = _retarget.strip_bytes(motion, poses, is_svg, title)

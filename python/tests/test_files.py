@@ -175,6 +175,11 @@ def test_pictures_are_the_command_s(g1: retarget.Robot, data: Path, walked: reta
         retarget.picture(walked, poses=0)
     with pytest.raises(TypeError, match="motion: expected a Motion, found str"):
         retarget.picture("walk.csv")
+    for poses in (2.5, True, "4"):
+        with pytest.raises(retarget.UsageError, match="poses: expected a whole number"):
+            retarget.picture(walked, poses=poses)
+    with pytest.raises(retarget.UsageError, match="motion: expected a Motion, found NoneType"):
+        retarget.evaluate(None)
 
 
 def test_a_page_that_cannot_be_written_keeps_the_old_one(walked: retarget.Motion,

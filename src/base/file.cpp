@@ -28,10 +28,13 @@ Failure read_failure(ErrorKind kind, const std::string& path, int error_number) 
 }
 
 Failure write_failure(const std::string& name, int error_number) {
-  const std::string path = name == "-" ? "standard output" : name;
-  const bool full = os::is_out_of_space(error_number);
-  return run_failure(path, "cannot write the file: " + system_message(error_number),
-                     full ? "no partial file remains; free some space or write elsewhere" : "");
+  const bool is_stream = name == "-";
+  const std::string space = "free some space or write elsewhere";
+  return run_failure(is_stream ? "standard output" : name,
+                     "cannot write the file: " + system_message(error_number),
+                     !os::is_out_of_space(error_number) ? ""
+                     : is_stream                        ? space
+                                                        : "no partial file remains; " + space);
 }
 
 Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t max,

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batch/resume.h"
+#include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/file_endings.h"
 #include "retarget/option_name.h"
@@ -53,6 +54,12 @@ std::string name_of_folder(const fs::path& folder) {
   return name.empty() ? "." : name;
 }
 
+std::string list_endings(const std::set<std::string>& endings) {
+  std::vector<std::string> names(endings.begin(), endings.end());
+  for (std::string& name : names) name = name.empty() ? "no extension" : printable(name);
+  return list_names(names, 8);
+}
+
 class InputFinder {
  public:
   explicit InputFinder(const InputSearch& search) : search_(search) {
@@ -72,6 +79,7 @@ class InputFinder {
   void add_input(const std::string& path, const std::string& relative,
                  const std::optional<FileFacts>& facts);
   [[nodiscard]] bool is_motion(const std::string& name) const;
+  [[nodiscard]] bool is_human_pickle(const std::string& path, const std::string& relative);
   [[nodiscard]] bool is_excluded(const std::string& relative);
   [[nodiscard]] Result<std::string> below(const std::string& path, const std::string& base) const;
 
@@ -80,6 +88,7 @@ class InputFinder {
   std::vector<os::FileId> above_;  // The folder being read and its ancestors.
   FoundInputs found_;
   int hidden_ = 0, excluded_ = 0;
+  std::multiset<std::string> other_endings_;  // Of files that are not motions.
   std::set<std::string> used_patterns_;
 };
 
@@ -115,23 +124,33 @@ bool InputFinder::is_motion(const std::string& name) const {
          name != "summary.csv";
 }
 
+// Excluded files are not read.
+bool InputFinder::is_human_pickle(const std::string& path, const std::string& relative) {
+  return !search_.of_robots && may_be_human_ending(ending_of(path)) &&
+         (is_excluded(relative) || holds_human_motion(path, memory_share(0.0)));
+}
+
 void InputFinder::add_entry(const fs::directory_entry& entry, const std::string& relative) {
+  const std::string path = entry.path().generic_string();
   const std::string name = entry.path().filename().generic_string();
   const std::string below_root = relative.empty() ? name : relative + "/" + name;
-  const auto status = os::status_of(entry.path().generic_string());
+  const auto status = os::status_of(path);
   if (status && status->kind == os::EntryKind::kFolder) {
     add_folder(entry.path(), below_root);
     return;
   }
-  if (!is_motion(name)) return;
+  const bool is_special = status && status->kind != os::EntryKind::kRegular;
+  if (!is_motion(name) && (is_special || !is_human_pickle(path, below_root))) {
+    if (!name.starts_with('.')) other_endings_.insert(ending_of(name));
+    return;
+  }
   if (name.starts_with("._")) {
     ++hidden_;
-  } else if (!status || status->kind == os::EntryKind::kRegular) {
+  } else if (!is_special) {
     // Includes dangling links, which fail when read, so that the missing clip is noticed.
-    add_input(entry.path().generic_string(), below_root,
-              facts_of(entry.path().generic_string(), FileUse::kInput));
+    add_input(path, below_root, facts_of(path, FileUse::kInput));
   } else {
-    found_.notes.push_back("skipped " + entry.path().generic_string() + ": not a file");
+    found_.notes.push_back("skipped " + path + ": not a file");
   }
 }
 
@@ -227,6 +246,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
 Result<void> InputFinder::add_list(const std::string& file) {
   RETARGET_TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxListBytes));
   std::string_view text = content.view();
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
   while (!text.empty()) {
     std::string_view line = take_until(text, end);
@@ -261,16 +281,26 @@ Result<FoundInputs> InputFinder::run() {
     found_.notes.push_back("skipped " + count_text(excluded_, "file") +
                            " because of " RETARGET_OPTION("exclude"));
   }
+  if (!other_endings_.empty() && !search_.of_robots) {
+    const std::set<std::string> endings(other_endings_.begin(), other_endings_.end());
+    found_.notes.push_back("skipped " + count_text(other_endings_.size(), "file") +
+                           " without a human motion: " + list_endings(endings));
+  }
   for (const std::string& pattern : search_.exclude) {
     if (!used_patterns_.contains(pattern)) found_.unused_patterns.push_back(pattern);
   }
+  if (found_.inputs.empty() && excluded_ > 0) {
+    return input_failure(search_.names.empty() ? "" : search_.names.front(),
+                         "all motion files are excluded",
+                         "omit " RETARGET_OPTION("exclude") ", or make its patterns narrower");
+  }
   if (found_.inputs.empty()) {
-    return input_failure(
-        search_.names.empty() ? "" : search_.names.front(),
-        search_.of_robots
-            ? "no robot motion found: no " + robot_endings_text() + " file and no SONIC folder"
-            : "no motion found: no " + human_endings_text() + " file",
-        search_.of_robots ? "" : kMaybeOfRobots);
+    return input_failure(search_.names.empty() ? "" : search_.names.front(),
+                         search_.of_robots ? "no robot motion found: no " + robot_endings_text() +
+                                                 " file and no SONIC folder"
+                                           : "no motion found: no " + human_endings_text() +
+                                                 " file, and no pickle of a human motion",
+                         search_.of_robots ? "" : kMaybeOfRobots);
   }
   const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
   std::ranges::sort(found_.inputs, {}, key);
@@ -327,7 +357,7 @@ Result<FoundInputs> find_inputs(const InputSearch& search) {
 
 std::string output_stem(const std::string& relative) {
   const std::string ending = ending_of(relative);
-  return is_human_ending(ending) || is_robots_alone(ending)
+  return is_human_ending(ending) || may_be_human_ending(ending) || is_robot_ending(ending)
              ? relative.substr(0, relative.size() - ending.size())
              : relative;
 }

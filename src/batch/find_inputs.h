@@ -11,6 +11,9 @@
 
 namespace retarget {
 
+/// Some editors begin lists and tables with it.
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
 /// Whether a name matches a shell pattern: `*` any text, `?` one character, `[a-z]` one of these;
 /// `*` also matches `/`.
 [[nodiscard]] bool matches_pattern(const std::string& pattern, const std::string& name);
@@ -102,7 +105,8 @@ struct FoundInputs {
 };
 
 /// Finds the motion files: single files, and in folders every file whose name has the extension of
-/// a human format (Format::endings), in any letter case. For robot motions: the extensions of robot
+/// a human format (Format::endings), in any letter case, and pickles with a human motion. A note
+/// counts the other files. For robot motions: the extensions of robot
 /// formats, except .contacts.csv and summary.csv, which batches write, and SONIC folders.
 ///
 /// A folder that cannot be read becomes an input that fails later, so that its clips are not missed

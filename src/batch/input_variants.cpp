@@ -14,6 +14,7 @@
 #include "retarget/csv_table.h"
 #include "retarget/file.h"
 #include "retarget/option_name.h"
+#include "retarget/os.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
@@ -25,7 +26,6 @@ namespace fs = std::filesystem;
 // Enough for millions of rows; stops reading from an endless pipe.
 constexpr std::size_t kMaxTableBytes = std::size_t{256} << 20U;
 constexpr double kMaxEnd = 1e9;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 enum Column : std::size_t { kFile, kStart, kEnd, kName };
 constexpr std::array<std::string_view, 4> kColumns = {"file", "start", "end", "name"};
@@ -191,11 +191,19 @@ Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
   return rows;
 }
 
-std::vector<std::string> files_of_rows(const std::vector<ClipRow>& rows, const std::string& path) {
+Result<std::vector<std::string>> files_of_rows(const std::vector<ClipRow>& rows,
+                                               const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   std::set<std::string> files;
-  for (const ClipRow& row : rows) files.insert((folder / row.file).generic_string());
-  return {files.begin(), files.end()};
+  for (const ClipRow& row : rows) {
+    const std::string file = (folder / row.file).generic_string();
+    if (!os::status_of(file)) {
+      return row_failure(path, row.line, "there is no file \"" + file + "\"",
+                         "give its path from the folder of the table, or give the folder of clips");
+    }
+    files.insert(file);
+  }
+  return std::vector<std::string>(files.begin(), files.end());
 }
 
 Result<std::vector<BatchInput>> parts_of(const std::vector<BatchInput>& inputs,

@@ -24,8 +24,9 @@ struct ClipRow {
 [[nodiscard]] Result<std::vector<ClipRow>> read_clip_table(const std::string& path);
 
 /// The files named in the rows, relative to the table's folder: the inputs if no others are given.
-[[nodiscard]] std::vector<std::string> files_of_rows(const std::vector<ClipRow>& rows,
-                                                     const std::string& path);
+/// A missing file is an error that names its line.
+[[nodiscard]] Result<std::vector<std::string>> files_of_rows(const std::vector<ClipRow>& rows,
+                                                             const std::string& path);
 
 /// Creates one input per row from the inputs that were found. A row's file is the relative path of
 /// an input, its path as found, or its file name if that is unique.

@@ -239,8 +239,9 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
   const std::size_t unrequested = std::erase_if(
       entries, [&](const ManifestEntry& entry) { return !selection.contains(entry); });
   if (unrequested > 0) {
-    observer.line("lists", count_text(unrequested, "clip") +
-                               " of the manifest are not part of this call and not listed");
+    observer.line("lists", count_text(unrequested, "clip") + " of the manifest " +
+                               (unrequested == 1 ? "is" : "are") +
+                               " not part of this call and not listed");
   }
   return write_lists(folder, entries, rules, observer);
 }

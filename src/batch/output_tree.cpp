@@ -289,7 +289,10 @@ bool is_in_place(int descriptor, const std::string& path) {
 
 Failure lock_failure(const std::string& path, int error_number) {
   return run_failure(
-      path, "cannot lock the output folder: " + std::generic_category().message(error_number));
+      path, "cannot lock the output folder: " + std::generic_category().message(error_number),
+      error_number == EACCES || error_number == EROFS
+          ? "choose a folder with -o in which you may write"
+          : "");
 }
 
 }  // namespace

@@ -191,7 +191,7 @@ Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer
   if (!request.clips.empty()) {
     RETARGET_TRY_ASSIGN(rows, read_clip_table(request.clips));
     if (search.names.empty() && search.lists.empty()) {
-      search.names = files_of_rows(rows, request.clips);
+      RETARGET_TRY_ASSIGN(search.names, files_of_rows(rows, request.clips));
       if (search.base.empty()) search.base = folder_of(request.clips);
     }
   }
@@ -299,8 +299,9 @@ void warn_of_discarded_files(const std::string& folder, const BatchPlan& plan,
   constexpr std::size_t kShown = 3;
   observer.warn({{0, 0,
                   count_text(files.size(), "file") +
-                      " of the discarded batch remain in place and are not in the new manifest: " +
-                      list_names(files, kShown)}},
+                      (files.size() == 1 ? " of the discarded batch remains in place and is"
+                                         : " of the discarded batch remain in place and are") +
+                      " not in the new manifest: " + list_names(files, kShown)}},
                 folder);
 }
 

@@ -61,11 +61,61 @@ TEST_F(FindInputsTest, KeepsFolderStructure) {
   EXPECT_THAT(relatives(found),
               ElementsAre("bad\xff utf.bvh", "l\xc3\xa4uft.bvh", "motion.npz", "new\nline.bvh",
                           "sub/-dash.bvh", "sub/a b/run.BVH", "two.dots.bvh", "walk.bvh"));
-  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("1 file named ._*")));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("1 file named ._*"),
+                                        "skipped 1 file without a human motion: .txt"));
   EXPECT_EQ(found->inputs.back().path, at("in/walk.bvh"));
   EXPECT_EQ(found->inputs.back().bytes, 1U);
   EXPECT_GT(found->inputs.back().modified_ns, 0);
 #endif
+}
+
+// A pickled dictionary in protocol 2, without its frame.
+std::string dictionary(const std::vector<std::string>& keys, const std::string& value) {
+  std::string text = "}(";
+  for (const std::string& key : keys) {
+    text += std::string("U") + static_cast<char>(key.size()) + key + value;
+  }
+  return text + "u";
+}
+
+std::string numbers(const std::vector<std::string>& keys) {
+  return dictionary(keys, "K\x01");
+}
+
+std::string pickle(const std::string& value) {
+  return "\x80\x02" + value + ".";
+}
+
+TEST_F(FindInputsTest, FindsPicklesOfHumansByTheirContent) {
+  const std::string human = pickle(numbers({"poses", "trans"}));
+  for (const char* name : {"in/a.pkl", "in/b/c.P", "in/d.joblib", "in/e.pickle"}) make(name, human);
+  make("in/several.pkl", pickle(dictionary({"x", "y"}, numbers({"poses", "trans"}))));
+  make("in/robot.pkl", pickle(numbers({"fps", "root_pos", "root_rot", "dof_pos"})));
+  make("in/robots.pkl", pickle(dictionary({"walk"}, numbers({"root_trans_offset", "pose_aa"}))));
+  make("in/weights.pkl", pickle(numbers({"layer"})));
+  make("in/not_a_pickle.pkl", "words");
+  make("in/walk.bvh.gz");
+  const auto found = find({at("in")});
+  EXPECT_THAT(relatives(found),
+              ElementsAre("a.pkl", "b/c.P", "d.joblib", "e.pickle", "several.pkl"));
+  EXPECT_THAT(found->notes, ElementsAre("skipped 5 files without a human motion: .gz, .pkl"));
+  EXPECT_THAT(relatives(find({at("in/robot.pkl")})), ElementsAre("robot.pkl"));
+}
+
+TEST_F(FindInputsTest, DoesNotReadExcludedPickles) {
+  make("in/a.pkl", "words");
+  make("in/walk.bvh");
+  InputSearch search;
+  search.names = {at("in")};
+  search.exclude = {"*.pkl"};
+  const auto found = find_inputs(search);
+  EXPECT_THAT(relatives(found), ElementsAre("walk.bvh"));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("skipped 1 file because of")));
+  EXPECT_THAT(found->unused_patterns, IsEmpty());
+  search.exclude = {"*"};
+  const auto none = find_inputs(search);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().message, "all motion files are excluded");
 }
 
 #ifndef _WIN32  // creates links and pipes
@@ -118,6 +168,9 @@ TEST_F(FindInputsTest, ReadsListsOfFilesAndFolders) {
   search.lists = {at("list.txt")};
   search.base = at("in");
   EXPECT_THAT(relatives(find_inputs(search)), ElementsAre("a/walk.bvh", "b/run.bvh", "gone.bvh"));
+  make("marked.txt", "\xef\xbb\xbf" + at("in/a/walk.bvh") + "\r\n");
+  EXPECT_THAT(relatives(find({"@" + at("marked.txt")})), ElementsAre("walk.bvh"));
+  EXPECT_EQ(find({"@" + at("marked.txt")})->inputs.front().path, at("in/a/walk.bvh"));
   search.base = at("in/b");
   const auto outside = find_inputs(search);
   ASSERT_FALSE(outside);
@@ -176,6 +229,9 @@ TEST_F(FindInputsTest, DeduplicatesFiles) {
 
 TEST(OutputStem, RemovesOnlyTheExtension) {
   EXPECT_EQ(output_stem("a.b/walk.x.BVH"), "a.b/walk.x");
+  for (const char* name : {"a/b.pkl", "a/b.p", "a/b.joblib", "a/b.csv", "a/b.NPZ"}) {
+    EXPECT_EQ(output_stem(name), "a/b") << name;
+  }
   EXPECT_EQ(output_stem("walk"), "walk");
   EXPECT_EQ(output_stem("a/.bvh"), "a/.bvh");
 }

@@ -2,12 +2,13 @@
 
 import os
 import resource
+import shlex
 import signal
 import subprocess
 import time
 import unittest
 
-from tool import SOURCE, TOOL, ToolTest, needs_posix, sample
+from tool import SOURCE, TOOL, ToolTest, needs_posix, sample, short_clip
 
 
 class BadInput(ToolTest):
@@ -171,6 +172,34 @@ class Outputs(ToolTest):
 
     def test_full_disk(self):
         self.assert_fails(self.retarget(output="/dev/full"), 1, "/dev/full", "No space left")
+        with open("/dev/full", "wb") as full:
+            for words in (("--version",), ("--help",), ("batch", "--help-all"),
+                          (sample("wave"), "g1", "--frames", "0:3", "--method", "gmr", "-o", "-")):
+                done = subprocess.run([TOOL, *map(str, words)], stdout=full, stderr=subprocess.PIPE,
+                                      text=True, timeout=60)
+                self.assertEqual(done.returncode, 1, words)
+                self.assertIn("standard output: error: cannot write the file: No space left", done.stderr)
+                self.assertNotIn("partial", done.stderr)
+
+    @needs_posix
+    def test_closed_standard_streams(self):
+        def run(streams, *words):
+            call = shlex.join([TOOL, *map(str, words)])
+            return subprocess.run(f"{call} {streams}", shell=True, cwd=self.folder, text=True,
+                                  capture_output=True, timeout=120)
+
+        clip = self.write("wave.bvh", short_clip("wave", 20))
+        self.assert_done(run(">frames", "live", "--play", clip, "--to", "stdout", "--speed", "0"))
+        for streams, words in (("<&- >&- 2>&-", (clip, "g1")),
+                               ("<&- >&- 2>&-", (clip, "g1", "--format", "pkl-gmr")),
+                               ("<frames >&- 2>&-", ("live", "--robot", "g1"))):
+            self.assert_done(run("<frames", *words, "-o", "whole"))
+            self.assert_done(run(streams, *words, "-o", "closed"))
+            self.assertEqual((self.folder / "closed").read_bytes(),
+                             (self.folder / "whole").read_bytes(), words)
+        for words in ((clip, "g1", "-o", "-"), ("--version",), ("inspect", clip)):
+            self.assert_fails(run(">&-", *words), 1, "standard output: error: cannot write the file")
+        self.assert_fails(run("<&-", "-", "g1", "-o", "x.csv"), 3, "standard input: error: cannot read")
 
     @needs_posix
     def test_file_size_limit(self):

@@ -398,6 +398,9 @@ class Parts(DataSetTest):
         self.assert_done(self.batch("--clips", "set/parts.csv", "--mirror", inputs=()))
         self.assertEqual(self.outputs(), ["x/a.csv", "x/a_mirrored.csv", "x/b.csv",
                                           "x/b_mirrored.csv"])
+        self.write("set/parts.csv", "x/wave.bvh,f0,f5,a\nx/gone.bvh,f5,f10,b\n")
+        self.assert_fails(self.batch("--clips", "set/parts.csv", inputs=(), output="new"), 3,
+                          'set/parts.csv:2: error: there is no file "set/x/gone.bvh"')
 
     def test_errors_name_the_line_and_come_first(self):
         self.clips("wave.bvh")

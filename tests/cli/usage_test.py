@@ -1,11 +1,12 @@
 """How commands are called: words without options, short names, mistakes and their messages."""
 
 import re
+import shlex
 import shutil
 import subprocess
 import unittest
 
-from tool import SOURCE, ToolTest, sample, short_clip
+from tool import SOURCE, TOOL, ToolTest, sample, short_clip
 
 COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "live", "robots", "verify")
 
@@ -154,10 +155,10 @@ class Mistakes(ToolTest):
 
         def completed(*words):
             asked = " ".join(f"'{word}'" for word in ("retarget", *words))
-            line = (f". ./complete.sh; COMP_WORDS=({asked}); COMP_CWORD={len(words)}; _retarget; "
+            line = (f". ./complete.sh; COMP_WORDS=({asked}); COMP_CWORD={len(words)}; _retarget {shlex.quote(TOOL)}; "
                     'printf "%s\\n" "${COMPREPLY[@]}"')
             return subprocess.run([bash, "-c", line], cwd=self.folder, text=True, timeout=60,
-                                  capture_output=True).stdout.split()
+                                  capture_output=True, env=self.tool_environment()).stdout.split()
 
         self.assertEqual(completed("--method", ""), ["fit", "gmr"])
         self.assertEqual(completed("--tpose-fr"), ["--tpose-frame"])
@@ -165,6 +166,11 @@ class Mistakes(ToolTest):
         self.assertIn("concat", completed("edit", "conc"))
         self.assertIn("--search", completed("edit", "concat", "--sea"))
         self.assertIn("complete.sh", completed("--map", "comp"))
+        self.assertIn("unitree_g1", completed("--robot", "unitree_"))
+        self.assertEqual(completed("edit", "rest", "--from-robot", "booster_k"), ["booster_k1"])
+        self.assertEqual(completed("batch", "--format", "npz-m"), ["npz-mjlab"])
+        self.assertEqual(completed("generate", "rob"), ["robot-pack"])
+        self.assertEqual(completed("help", "simu"), ["simulate"])
 
     def test_hints_name_the_help_of_the_command(self):
         for words in (("evaluate", "x.csv", "--no-such"), ("evaluate", "x.csv", "--fps"),
@@ -173,6 +179,22 @@ class Mistakes(ToolTest):
         self.assert_fails(self.run_tool("edit", "trim", "x.bvh", "-o", "y.bvh", "--no-such"), 2,
                           "hint: retarget edit trim --help")
         self.assert_fails(self.run_tool("--no-such"), 2, "hint: retarget --help")
+
+    def test_numbers_of_values(self):
+        self.write("walk.bvh", short_clip("wave", 2))
+        run = ("walk.bvh", "g1", "-o", "x.csv")
+        for words, message in (
+                ((*run, "--mirror=maybe"), '--mirror: expected no value, true or false, found "maybe"'),
+                ((*run, "--mirror=2"), '--mirror: expected no value, true or false, found "2"'),
+                ((*run, "--quiet=x"), '--quiet: expected no value, true or false, found "x"'),
+                (("evaluate", "x.csv", "--all=maybe"), '--all: expected no value, true or false, found "maybe"'),
+                (("batch", "in", "-o", "out", "--resume=1e5"), '--resume: expected no value, true or false, found "1e5"'),
+                (("inspect", "walk.bvh", "--json=0.5"), '--json: expected no value, true or false, found "0.5"'),
+                ((*run, "--fps", "50", "--fps", "30"), "--fps is given more than once"),
+                ((*run, "--fps="), "--fps needs a value"),
+                ((*run, "--fps"), "--fps needs a value")):
+            self.assert_fails(self.run_tool(*words), 2, f"error: {message}", "--help lists the options")
+        self.assertEqual(self.files(), ["walk.bvh"])
 
     def test_all_missing_arguments_are_reported_together(self):
         for words, missing in (

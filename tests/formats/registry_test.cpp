@@ -198,8 +198,8 @@ TEST(FormatRegistry, FindsTheExtensionOfAFile) {
   EXPECT_EQ(ending_of("folder.d/Walk.NPZ"), ".npz");
   EXPECT_TRUE(is_human_ending(".vrma") && !is_human_ending(".pkl") && !is_human_ending(".csv"));
   EXPECT_TRUE(is_robot_ending(".joblib") && !is_robot_ending(".glb") && !is_robot_ending(""));
-  EXPECT_TRUE(is_robots_alone(".csv") && is_robots_alone(".motion"));
-  EXPECT_TRUE(!is_robots_alone(".pkl") && !is_robots_alone(".npz") && !is_robots_alone(".pt"));
+  EXPECT_TRUE(may_be_human_ending(".pkl") && may_be_human_ending(".joblib"));
+  EXPECT_TRUE(!may_be_human_ending(".csv") && !may_be_human_ending(".npz"));
   EXPECT_EQ(output_ending(".joblib"), ".pkl");
   EXPECT_EQ(output_ending(".tsv"), ".csv");
   EXPECT_EQ(output_ending(".bvh"), "");

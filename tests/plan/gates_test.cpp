@@ -58,6 +58,19 @@ TEST(ChangedGates, BothBoundsMakeOneGate) {
       gate_on(changed({"stance_height_p50_cm<=0.5"}).value(), "stance_height_p50_cm")->min);
 }
 
+TEST(ChangedGates, TheStricterOfTwoBoundsApplies) {
+  for (const auto& texts : {std::vector<std::string>{"jumps<=1", "jumps<=3"},
+                            {"jumps<=3", "jumps<=1"},
+                            {"jumps=3", "jumps=1"},
+                            {"jumps<=1", "jumps=3"}}) {
+    EXPECT_EQ(gate_on(changed(texts).value(), "jumps")->max, 1.0) << texts.front();
+  }
+  const Gates gates = changed({"jumps>=-2", "jumps>=-1", "jumps=4", "jumps>=-3"}).value();
+  EXPECT_EQ(gate_on(gates, "jumps")->min, -1.0);
+  EXPECT_EQ(gate_on(gates, "jumps")->max, 4.0);
+  EXPECT_FALSE(gate_on(changed({"jumps<=1", "jumps=none"}).value(), "jumps"));
+}
+
 TEST(ChangedGates, ShortNamesPreferMetricsWithAGate) {
   EXPECT_EQ(gate_on(changed({"limb_angle<=9"}).value(), "limb_angle_deg")->max, 9.0);
   EXPECT_EQ(gate_on(changed({"root_jerk<=9"}).value(), "root_jerk_mean")->max, 9.0);

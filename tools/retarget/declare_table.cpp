@@ -30,6 +30,12 @@ void set_value(const Option& row, const std::vector<std::string>& words) {
   if (auto set = row.set(value); !set) throw CLI::ValidationError(flag, set.error().message);
 }
 
+// The parser would read numbers as counts, and end on other words.
+std::string check_flag_value(const std::string& text) {
+  const bool known = text == "true" || text == "false";
+  return known ? "" : "expected no value, true or false, found \"" + text + "\"";
+}
+
 // Returns the member's initial value, if it is a valid option value and the help text does not
 // state a default.
 std::string default_text(const Option& row) {
@@ -47,6 +53,7 @@ void declare_row(CLI::App& command, const Option& row) {
     command
         .add_flag_function(
             names, [row](std::int64_t count) { static_cast<void>(row.set(count > 0)); }, help)
+        ->check(CLI::Validator(&check_flag_value, ""))
         ->group(row.info.group);
     return;
   }

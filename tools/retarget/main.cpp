@@ -8,6 +8,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "generate.h"
 #include "help_format.h"
 #include "retarget/error.h"
+#include "retarget/file.h"
 #include "retarget/version.h"
 #include "usage_errors.h"
 
@@ -104,8 +106,10 @@ std::optional<ExitCode> parse_words(CLI::App& app, const std::vector<std::string
   try {
     app.parse(std::move(words));
   } catch (const CLI::Success& success) {
-    // Help and version go to standard output.
-    return app.exit(success) == 0 ? kDone : kRunFailed;
+    std::ostringstream text;
+    app.exit(success, text, text);
+    const auto written = write_file("-", text.str());
+    return written ? kDone : console.fail(written.error());
   } catch (const CLI::ExtrasError&) {
     return console.fail(unknown_words(app).value());
   } catch (const CLI::RequiredError& error) {

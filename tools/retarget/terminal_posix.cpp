@@ -1,5 +1,6 @@
 // Signals and terminals of Linux and macOS.
 
+#include <fcntl.h>
 #include <unistd.h>
 #include <atomic>
 #include <csignal>
@@ -89,6 +90,13 @@ bool RecalibrationSignal::take() {
 }
 
 std::vector<std::string> words_of_program(int argc, char** argv) {
+  // A file that is opened later would otherwise take the number of a closed standard stream and
+  // receive its messages. The streams stay unusable: input is open for writing, outputs for reading.
+  for (const int stream : {os::kStandardInput, os::kStandardOutput, os::kStandardError}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // The lowest free number is that of the stream, as those below it are open.
+    static_cast<void>(::open("/dev/null", stream == os::kStandardInput ? O_WRONLY : O_RDONLY));
+  }
   return {argv, argv + argc};
 }
 

@@ -86,6 +86,7 @@ bool RecalibrationSignal::take() {
 }
 
 std::vector<std::string> words_of_program(int argc, char** argv) {
+  // The C library keeps the numbers of standard streams that are closed, so no file takes them.
   // Otherwise the C library writes a line feed as two bytes, and ends a file at Ctrl-Z.
   for (const int stream : {0, 1, 2}) ::_setmode(stream, _O_BINARY);
   ::SetConsoleOutputCP(CP_UTF8);

@@ -232,8 +232,24 @@ Failure unknown_words(const CLI::App& app) {
           : robot_or_options_hint(command, words));
 }
 
+namespace {
+
+// Replaces messages of the parser about numbers of values, which name its internals.
+std::string plain_message(const std::string& message) {
+  const std::string option = message.substr(0, message.find(':'));
+  if (message.find(": At Most 1 required") != std::string::npos) {
+    return option + " is given more than once";
+  }
+  if (message.starts_with(option + ": 1 required") && message.ends_with("missing")) {
+    return option + " needs a value";
+  }
+  return message;
+}
+
+}  // namespace
+
 Failure wrong_words(const CLI::App& app, const CLI::ParseError& error) {
-  return usage_failure(error.what(), options_hint(given_command(app)));
+  return usage_failure(plain_message(error.what()), options_hint(given_command(app)));
 }
 
 }  // namespace retarget::cli

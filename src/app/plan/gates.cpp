@@ -112,11 +112,13 @@ class GateChanges {
                                        text.relation == "=" ? " or none" : "", text.bound));
     }
     const auto before = std::ranges::find(gates_.all(), figure, &Gate::metric);
-    // Keep the other bound that an earlier text set.
-    if (text.relation != "=" && given_.contains(figure) && before != gates_.all().end()) {
-      gate = *before;
+    // All bounds that texts set apply, so the stricter of two decides.
+    if (!is_none && given_.contains(figure) && before != gates_.all().end()) gate = *before;
+    if (text.relation == ">=") {
+      gate.min = std::max(*bound, gate.min.value_or(*bound));
+    } else if (!is_none) {
+      gate.max = std::min(*bound, gate.max.value_or(*bound));
     }
-    if (!is_none) (text.relation == ">=" ? gate.min : gate.max) = bound;
     gate.named = true;
     gates_.set(std::move(gate));
     given_.insert(std::move(figure));

@@ -26,7 +26,7 @@ constexpr FormatFamily kFbx = {kinds_of({FileKind::kFbx}), ".fbx", "", read_scen
 constexpr FormatFamily kGltf = {kinds_of({FileKind::kGltf}), ".glb .gltf .vrm .vrma", "",
                                 read_scene_file, nullptr};
 constexpr FormatFamily kMvnx = {kinds_of({FileKind::kMvnx}), ".mvnx", "", read_scene_file, nullptr};
-// Pickles are often robot motions, so a batch recognises human motions among them only by name.
+// Pickles are often robot motions, so a batch reads them to find the human motions among them.
 constexpr FormatFamily kArrays = {kinds_of({FileKind::kNpz, FileKind::kNpy, FileKind::kPickle,
                                             FileKind::kTorch, FileKind::kGzip}),
                                   ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file,
@@ -177,11 +177,10 @@ bool is_robot_ending(std::string_view ending) {
   return is_searched_ending(ending, true);
 }
 
-bool is_robots_alone(std::string_view ending) {
-  return is_robot_ending(ending) && std::ranges::none_of(kFormats, [&](const Format& format) {
-           return !format.is_robots() && (contains(format.family.endings, ending) ||
-                                          contains(format.family.other_endings, ending));
-         });
+bool may_be_human_ending(std::string_view ending) {
+  return std::ranges::any_of(kFormats, [&](const Format& format) {
+    return !format.is_robots() && contains(format.family.other_endings, ending);
+  });
 }
 
 std::string human_endings_text() {

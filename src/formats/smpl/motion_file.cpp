@@ -11,6 +11,7 @@
 #include "formats/containers/file_kind.h"
 #include "formats/containers/torch_file.h"
 #include "formats/smpl/joint_motion.h"
+#include "formats/smpl/read_smpl.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -265,6 +266,13 @@ Result<MotionFile> open_motion_file(std::string_view bytes, const std::string& f
   read.max_number_bytes = options.max_clip_bytes;
   TRY_ASSIGN(NpzFile file, NpzFile::open(bytes, file_name, read));
   return motion_file_of(std::make_unique<NpzArrays>(std::move(file)));
+}
+
+bool holds_array_motion(std::string_view bytes) {
+  ArrayReadOptions options;
+  options.take = "1";  // Of several motions.
+  const auto file = open_motion_file(bytes, {}, options);
+  return file && (has_motion(*file->arrays) || has_joint_positions(*file->arrays));
 }
 
 }  // namespace retarget
