@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <string>
 
 #include "support/arm_movement.h"
 
@@ -91,6 +93,43 @@ TEST(LimbDetours, DoNotAmplifyRounding) {
     }
   }
   EXPECT_LT(most, 1e-6);
+}
+
+// After the last frame, the arms need not return to the branch on which the fit left them.
+TEST(LimbDetours, EndTheClipOnAnyBranch) {
+  constexpr std::array<ArmPose, 4> kPoses = {
+      {{-85, 90, 5}, {-25, 45, 90}, {30, 110, 70}, {60, 45, 20}}};
+  const Clip clip = arm_movement(kPoses, 25);
+  const RobotCase robot = robot_case("unitree_g1");
+  const auto plain = plainly_fitted(clip, robot);
+  const auto recovered = fitted(clip, robot);
+  ASSERT_TRUE(recovered.has_value());
+  EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after);
+}
+
+// Once one arm has moved, it no longer drags the trunk along, and the other arm is nearer to its
+// targets.
+TEST(LimbDetours, MoveSymmetricArmsAlike) {
+  constexpr std::array<ArmPose, 5> kPoses = {
+      {{-85, 90, 5}, {0, 90, 5}, {85, 90, 5}, {0, 90, 5}, {-85, 90, 5}}};
+  const RobotCase robot = robot_case("unitree_g1");
+  const auto recovered = fitted(arm_movement(kPoses), robot);
+  ASSERT_THAT(recovered->report.notes, Contains(HasSubstr("left arm")));
+  EXPECT_THAT(recovered->report.notes, Contains(HasSubstr("right arm")));
+  const auto position = [&](const std::string& joint, int t) {
+    const auto& joints = robot.robot->joints();
+    const auto found = std::ranges::find(joints, joint + "_joint", &RobotJoint::name);
+    return recovered->clip.qpos(t)[static_cast<std::size_t>(found->qpos_address)];
+  };
+  const auto difference = [&](const std::string& joint, double mirrored, int t) {
+    return std::abs(position("left_" + joint, t) - mirrored * position("right_" + joint, t));
+  };
+  double most = 0.0;
+  for (int t = 0; t < recovered->clip.frame_count(); ++t) {
+    most = std::max({most, difference("shoulder_pitch", 1.0, t),
+                     difference("shoulder_roll", -1.0, t), difference("shoulder_yaw", -1.0, t)});
+  }
+  EXPECT_LT(most, 0.5);
 }
 
 TEST(LimbDetours, LeavesArmsWithinReachUnchanged) {

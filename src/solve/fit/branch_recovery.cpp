@@ -7,6 +7,7 @@
 #include <iterator>
 #include <optional>
 
+#include "retarget/clip.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
 #include "solve/fit/crossing_frames.h"
@@ -200,12 +201,16 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
   BranchRecovery result;
   const std::vector<FitLimb> limbs = find_limbs(model);
   LimbCostSamples samples(model, clip, limbs);
+  std::vector<std::vector<FrameRange>> astray;
+  for (const FitLimb& limb : limbs) {
+    astray.push_back(limb.is_arm ? astray_intervals(model, clip, limb) : std::vector<FrameRange>());
+  }
   BranchChanger changer(model, options, clip, keep_going, samples, result);
   for (std::size_t i = 0; i < limbs.size() && !result.stopped; ++i) {
     const auto first = static_cast<std::ptrdiff_t>(result.limbs.size());
     changer.recover(limbs[i], samples.costs(i));
     if (limbs[i].is_arm && !result.stopped) {
-      straighten_arm(model, options, clip, limbs[i], keep_going, result);
+      straighten_arm(model, options, clip, limbs[i], astray[i], keep_going, result);
     }
     std::stable_sort(result.limbs.begin() + first, result.limbs.end(),
                      [](const auto& a, const auto& b) { return a.begin < b.begin; });

@@ -1,7 +1,9 @@
 #include "solve/fit/limb_detours.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 
 #include "retarget/clip.h"
@@ -16,8 +18,19 @@ namespace retarget {
 namespace {
 
 constexpr double kAround = 0.6;  // Seconds of a path before and after the frames with large errors.
-constexpr double kLongest = 4.0;                  // Longest interval that is searched, seconds.
+constexpr double kOthersEvery = 0.2;  // Seconds between two searches for other branches.
+constexpr double kFarAround = 3.0;    // Seconds around an interval that a longer search adds.
+constexpr double kLongest = 10.0;     // Longest interval that is searched, seconds.
 constexpr double kTwisted = 0.17453292519943295;  // Rotation error of the trunk: 10 degrees.
+
+// Appends an interval, or extends the last one if they meet.
+void add(const FrameRange& next, std::vector<FrameRange>& intervals) {
+  if (!intervals.empty() && next.begin <= intervals.back().end) {
+    intervals.back().end = std::max(intervals.back().end, next.end);
+  } else {
+    intervals.push_back(next);
+  }
+}
 
 class ArmStraightener {
  public:
@@ -27,19 +40,20 @@ class ArmStraightener {
       : model_(model),
         options_(options),
         clip_(clip),
-        arm_(without_hand(model, arm)),
+        arm_(arm),
         keep_going_(keep_going),
         result_(result),
         frame_(model, clip, arm_),
-        finder_(model, options, clip, arm_) {
+        finder_(model, options, clip, arm_),
+        branches_(model, options, clip, arm_) {
     for (std::size_t k = 0; k < model.tasks.size(); ++k) {
       const FitTask& task = model.tasks[k];
       if (task.rotation_weight > 0.0 && model.tree.carries(task.link, arm.link)) trunk_task_ = k;
     }
   }
 
-  void straighten() {
-    for (const FrameRange& interval : intervals()) {
+  void straighten(const std::vector<FrameRange>& intervals) {
+    for (const FrameRange& interval : intervals) {
       if (interval.end - interval.begin <= clip_.frames_in(kLongest)) reroute(interval);
       if (result_.stopped) return;
     }
@@ -50,9 +64,11 @@ class ArmStraightener {
     frame_.set(t);
     return frame_.cost();
   }
-  std::vector<FrameRange> intervals();
   bool is_trunk_twisted(const FrameRange& interval);
   bool release_trunk(WindowTrial& trial);
+  std::vector<LimbPlace> other_branches(const FrameRange& interval);
+  std::optional<LimbBranch> find_far(const FrameRange& interval);
+  void trim(LimbBranch& path);
   void reroute(const FrameRange& interval);
 
   const FitModel& model_;
@@ -63,27 +79,10 @@ class ArmStraightener {
   BranchRecovery& result_;
   LimbFrame frame_;
   LimbPathFinder finder_;
+  BranchFinder branches_;
   std::optional<std::size_t> trunk_task_;  // The task of the body that carries the arm.
   std::optional<FitModel> without_arm_;    // The model without the arm's weights; made on demand.
 };
-
-// The frames in which the arm is astray (astray_cost()), with a margin on either side.
-std::vector<FrameRange> ArmStraightener::intervals() {
-  const double off = astray_cost(model_, arm_);
-  std::vector<FrameRange> found;
-  if (!(off > 0.0)) return found;
-  const int around = clip_.frames_in(kAround);
-  for (int t = 0; t < clip_.frame_count; ++t) {
-    if (!(cost(t) > off)) continue;
-    const FrameRange next{std::max(0, t - around), std::min(clip_.frame_count, t + around + 1)};
-    if (!found.empty() && next.begin <= found.back().end) {
-      found.back().end = next.end;
-    } else {
-      found.push_back(next);
-    }
-  }
-  return found;
-}
 
 bool ArmStraightener::is_trunk_twisted(const FrameRange& interval) {
   if (!trunk_task_) return false;
@@ -124,26 +123,96 @@ bool ArmStraightener::release_trunk(WindowTrial& trial) {
   return true;
 }
 
-void ArmStraightener::reroute(const FrameRange& interval) {
-  const auto arm_cost = [&] {
-    double sum = 0.0;
-    for (int t = interval.begin; t < interval.end; ++t) sum += cost(t);
-    return sum;
-  };
-  WindowTrial trial(model_, options_, clip_, keep_going_, interval.begin, interval.end);
-  const double before = arm_cost();
-  std::optional<LimbBranch> path;
-  if (!is_trunk_twisted(interval) || release_trunk(trial)) {
-    path = finder_.find(interval.begin, interval.end);
-  }
-  std::optional<RecoveredLimb> changed;
-  if (path) {
-    put_limb(model_, arm_, *path, clip_);
-    if (trial.solve() && trial.pays_off()) {
-      changed = {arm_.name, interval.begin, interval.end, before, arm_cost()};
+// Configurations in which the arm follows its targets better, and which small steps from the current
+// one do not reach.
+std::vector<LimbPlace> ArmStraightener::other_branches(const FrameRange& interval) {
+  const double off = astray_cost(model_, arm_);
+  std::vector<LimbPlace> found;
+  const int every = std::max(1, clip_.frames_in(kOthersEvery));
+  for (int t = interval.begin; t < interval.end; t += every) {
+    if (!(cost(t) > off)) continue;
+    if (const auto other = branches_.other_configuration(t, 0.5 * off)) {
+      found.push_back({t, *other});
     }
   }
-  result_.conclude(trial, changed);
+  return found;
+}
+
+// Searches for a better path around an interval. An arm changes branches only in certain poses,
+// which may be seconds away. The search is slow, so it is limited to arms that are astray for long
+// and have another branch.
+std::optional<LimbBranch> ArmStraightener::find_far(const FrameRange& interval) {
+  constexpr double kShortest = 0.3;  // Seconds that the arm must be astray.
+  const double off = astray_cost(model_, arm_);
+  int astray = 0;
+  for (int t = interval.begin; t < interval.end; ++t) astray += cost(t) > off ? 1 : 0;
+  if (astray <= clip_.frames_in(kShortest)) return std::nullopt;
+  const std::vector<LimbPlace> others = other_branches(interval);
+  if (others.empty()) return std::nullopt;
+  const int around = clip_.frames_in(kFarAround);
+  auto path = finder_.find(std::max(0, interval.begin - around),
+                           std::min(clip_.frame_count, interval.end + around), others);
+  if (path) trim(*path);
+  return path;
+}
+
+// Removes the frames at both ends of a path that it does not change.
+void ArmStraightener::trim(LimbBranch& path) {
+  constexpr double kSame = 1e-3;  // rad.
+  const auto is_same = [&](int t, const LimbJoints& joints) {
+    frame_.set(t);
+    const LimbJoints own = frame_.joints();
+    for (std::size_t i = 0; i < arm_.links.size(); ++i) {
+      if (std::abs(joints[i] - own[i]) > kSame) return false;
+    }
+    return true;
+  };
+  while (path.end - path.begin > 1 && is_same(path.end - 1, path.joints.back())) {
+    path.joints.pop_back();
+    --path.end;
+  }
+  const int begin = path.begin;
+  while (path.end - path.begin > 1 && is_same(path.begin, path.joints[at(path.begin - begin)])) {
+    ++path.begin;
+  }
+  path.joints.erase(path.joints.begin(), path.joints.begin() + (path.begin - begin));
+}
+
+void ArmStraightener::reroute(const FrameRange& interval) {
+  FrameRange changed = interval;
+  std::optional<WindowTrial> trial;
+  const auto begin_trial = [&] {
+    trial.emplace(model_, options_, clip_, keep_going_, changed.begin, changed.end);
+  };
+  const auto free_trunk = [&] { return !is_trunk_twisted(changed) || release_trunk(*trial); };
+  const auto arm_cost = [&] {
+    double sum = 0.0;
+    for (int t = changed.begin; t < changed.end; ++t) sum += cost(t);
+    return sum;
+  };
+  begin_trial();
+  double before = arm_cost();
+  std::optional<LimbBranch> path;
+  bool is_free = free_trunk();
+  if (is_free) path = finder_.find(interval.begin, interval.end, {});
+  if (is_free && !path) {
+    path = find_far(interval);
+    if (path) {
+      result_.conclude(*trial, false);
+      changed = {std::min(interval.begin, path->begin), std::max(interval.end, path->end)};
+      begin_trial();
+      before = arm_cost();
+      is_free = free_trunk();
+    }
+  }
+  std::optional<RecoveredLimb> recovered;
+  if (path && is_free) {
+    put_limb(model_, arm_, *path, clip_);
+    if (trial->solve() && trial->pays_off()) {
+      recovered = {arm_.name, changed.begin, changed.end, before, arm_cost()};
+    }
+  }
+  result_.conclude(*trial, recovered);
 }
 
 }  // namespace
@@ -159,11 +228,38 @@ FitLimb without_hand(const FitModel& model, const FitLimb& limb) {
   return part;
 }
 
+std::vector<FrameRange> astray_intervals(const FitModel& model, const FitClip& clip,
+                                         const FitLimb& arm) {
+  const FitLimb part = without_hand(model, arm);
+  const double off = astray_cost(model, part);
+  std::vector<FrameRange> found;
+  if (part.links.empty() || !(off > 0.0)) return found;
+  LimbFrame frame(model, clip, part);
+  const int around = clip.frames_in(kAround);
+  for (int t = 0; t < clip.frame_count; ++t) {
+    frame.set(t);
+    if (!(frame.cost() > off)) continue;
+    add({std::max(0, t - around), std::min(clip.frame_count, t + around + 1)}, found);
+  }
+  return found;
+}
+
 void straighten_arm(const FitModel& model, const FitOptions& options, FitClip& clip,
-                    const FitLimb& arm, const std::function<bool()>& keep_going,
-                    BranchRecovery& result) {
-  if (without_hand(model, arm).links.empty()) return;
-  ArmStraightener(model, options, clip, arm, keep_going, result).straighten();
+                    const FitLimb& arm, const std::vector<FrameRange>& astray,
+                    const std::function<bool()>& keep_going, BranchRecovery& result) {
+  const FitLimb part = without_hand(model, arm);
+  if (part.links.empty()) return;
+  std::vector<FrameRange> intervals = astray;
+  if (!result.limbs.empty()) {
+    intervals = astray_intervals(model, clip, arm);
+    std::ranges::copy(astray, std::back_inserter(intervals));
+    std::ranges::sort(intervals, {}, &FrameRange::begin);
+    std::vector<FrameRange> merged;
+    for (const FrameRange& interval : intervals) add(interval, merged);
+    intervals = std::move(merged);
+  }
+  if (intervals.empty()) return;
+  ArmStraightener(model, options, clip, part, keep_going, result).straighten(intervals);
 }
 
 }  // namespace retarget
