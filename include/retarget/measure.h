@@ -60,6 +60,8 @@ struct QualitySource {
   const SceneWorld* around_robot = nullptr;
   /// User edits that are applied to the contacts detected in the source.
   std::span<const ContactEdit> contact_edits = {};
+  /// Seconds of the motion per second of the source. Contacts are detected at the source's speed.
+  double pace = 1.0;
 };
 
 /// Options of measure_quality() and add_dynamics().

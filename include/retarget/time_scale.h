@@ -32,6 +32,8 @@ struct TimeScale {
 
   /// The smallest factor of all stretches; 1 without stretches.
   [[nodiscard]] double least_factor() const;
+  /// The pace if it is the same everywhere; otherwise 1.
+  [[nodiscard]] double constant_pace() const;
 };
 
 }  // namespace retarget

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -146,6 +147,11 @@ double TimeScale::least_factor() const {
   double least = 1.0;
   for (const SlowedStretch& stretch : stretches) least = std::min(least, stretch.factor);
   return least;
+}
+
+double TimeScale::constant_pace() const {
+  const bool same = std::ranges::adjacent_find(pace, std::not_equal_to<>()) == pace.end();
+  return same && !pace.empty() ? pace.front() : 1.0;
 }
 
 TimeWarp::TimeWarp(const TimeScale& scale, double duration)

@@ -123,6 +123,18 @@ class Simulate(unittest.TestCase):
             found = call("verify", other)
             self.assertEqual(found.returncode, 1, path)
             self.assertIn("/".join(path), found.stderr)
+        forged = json.loads(json.dumps(certificate))
+        model = next(i for i, each in enumerate(forged["inputs"]) if each["role"] == "model")
+        forged["inputs"][model]["file"] += "x"
+        other.write_text(json.dumps(forged))
+        found = call("verify", other)
+        self.assertEqual(found.returncode, 1)
+        self.assertIn(f"/inputs/{model}/file", found.stderr)
+        other.write_text(json.dumps({**certificate, "schema": "retarget-certificate-2"}))
+        found = call("verify", other)
+        self.assertEqual(found.returncode, 3)
+        self.assertIn('"schema" of the certificate', found.stderr)
+
         kept = motion.read_bytes()
         motion.write_bytes(kept.replace(b"0.1", b"0.2", 1))
         try:

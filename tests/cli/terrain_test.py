@@ -164,6 +164,24 @@ class TerrainTest(ToolTest):
             for x, y in zip(a, b):
                 self.assertAlmostEqual(x, y, delta=2e-3)
 
+    def test_a_floor_that_stands_upright_causes_a_warning(self):
+        # The clip in metres, Y up, and a slab below it in the same axes.
+        head, motion = sample("squat").read_text().split("MOTION")
+        head = [line.split() for line in head.splitlines()]
+        head = [" ".join([w[0], *(str(float(x) / 100) for x in w[1:])] if w[0] == "OFFSET" else w)
+                for w in head if w]
+        motion = motion.splitlines()
+        rows = [line.split() for line in motion[3:]]
+        rows = [" ".join([*(str(float(x) / 100) for x in row[:3]), *row[3:]]) for row in rows]
+        self.write("metres.bvh", "\n".join([*head, "MOTION", *motion[1:3], *rows, ""]))
+        self.write("slab.json", json.dumps({"bodies": [
+            {"name": "slab", "position": [0, -0.1, 0],
+             "shapes": [{"type": "box", "size": [2, 0.2, 2]}]}]}))
+        run = ("--bvh", "metres.bvh", *ROBOT, "--scene", "slab.json", "--end", "0.3", "-o", "out.csv")
+        self.assertIn("stands on no body of the scene slab.json; it fits with --scene-axes clip",
+                      self.run_tool(*run).stderr)
+        self.assertNotIn("no body of the scene", self.run_tool(*run, "--scene-axes", "clip").stderr)
+
     def test_the_unit_of_the_clip_is_not_proposed_for_specks(self):
         # In centimetres the block in the way would be 5 mm long.
         self.write("block.json", json.dumps({"bodies": [

@@ -22,16 +22,21 @@ class TimeScaleTest(ToolTest):
 
 class Factor(TimeScaleTest):
     def test_a_factor_makes_the_motion_longer(self):
-        self.run_sample("walk", "whole.csv")
-        self.run_sample("walk", "slow.csv", "--time-scale", "0.8", "--report", "slow.json",
+        self.run_sample("walk", "whole.csv", "--report", "whole.json")
+        self.run_sample("walk", "slow.csv", "--time-scale", "0.5", "--report", "slow.json",
                         "--gate", "default")
         whole, slow = self.rows("whole.csv"), self.rows("slow.csv")
-        self.assertAlmostEqual((len(slow) - 1) / (len(whole) - 1), 1.25, delta=0.01)
+        self.assertAlmostEqual((len(slow) - 1) / (len(whole) - 1), 2.0, delta=0.01)
         for axis in (0, 1):
             self.assertAlmostEqual(slow[-1][axis], whole[-1][axis], delta=0.02)
         report = self.report("slow.json")
         self.assertEqual(report["fps"], 30)
-        self.assertEqual(report["time_scale"]["least"], 0.8)
+        # The contacts are the same, later.
+        usual = self.report("whole.json")["contacts"]
+        self.assertEqual(sorted(usual), sorted(report["contacts"]))
+        for part, phases in usual.items():
+            self.assertEqual(len(phases), len(report["contacts"][part]), part)
+        self.assertEqual(report["time_scale"]["least"], 0.5)
         self.assertTrue(report["passed"])
 
     def test_a_factor_of_one_has_no_effect(self):

@@ -110,6 +110,29 @@ TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
   EXPECT_EQ(bad_share(dynamics), 0.0);
 }
 
+// Moves the frames from `begin` to a height.
+void raise(RobotClip& clip, int begin, double height) {
+  for (int i = begin; i < clip.frame_count(); ++i) clip.qpos(i)[2] += height;
+}
+
+TEST(StandingFloor, IsTheLowestLevelOfSolesThatStand) {
+  for (const double floor : {-0.3, 0.0, 0.5}) {
+    RobotClip clip = standing_clip(120);
+    const double level = standing_floor(clip);
+    raise(clip, 0, floor);
+    EXPECT_NEAR(standing_floor(clip), floor + level, 1e-6) << floor;
+    // On a box for most of the time.
+    raise(clip, 30, 0.4);
+    EXPECT_NEAR(standing_floor(clip), floor + level, 1e-6) << floor;
+  }
+}
+
+TEST(StandingFloor, IsNotABoxAboveABriefStance) {
+  RobotClip clip = standing_clip(120);
+  raise(clip, 8, 0.4);
+  EXPECT_EQ(standing_floor(clip), 0.0);
+}
+
 TEST(MotionDynamics, ReportsNothingForShortClips) {
   EXPECT_TRUE(analyse_dynamics(standing_clip(2)).samples.empty());
   EXPECT_EQ(analyse_dynamics(standing_clip(3)).samples.size(), 8U);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -376,6 +377,23 @@ TEST(RootDrift, KeepsAClimbWithNoise) {
   for (Vector3d& place : body.hips) place.z() += 0.5 * place.x();
   const RootDrift found = find_root_drift(body.feet, body.hips, {true});
   EXPECT_LT(farthest_left(body, root_noise, found), 0.15);
+}
+
+TEST(RootDrift, TurnsWithTheWorld) {
+  const auto off = [](double seconds) { return Vector3d(root_noise(seconds) + sway(seconds)); };
+  DriftingBody body = body_of(240, off, foot_of_walker);
+  const RootDrift found = find_root_drift(body.feet, body.hips);
+  const Eigen::AngleAxisd turn(0.2, Vector3d::UnitZ());
+  for (SourceFoot& foot : body.feet.feet) {
+    foot.ankle = turn * foot.ankle;
+    foot.toe = turn * foot.toe;
+  }
+  for (Vector3d& hips : body.hips) hips = turn * hips;
+  const RootDrift turned = find_root_drift(body.feet, body.hips);
+  for (std::size_t i = 0; i < found.drift.size(); ++i) {
+    EXPECT_LT((turned.drift[i] - turn * found.drift[i]).norm(), 1e-6) << i;
+  }
+  EXPECT_NEAR(turned.farthest, found.farthest, 1e-6);
 }
 
 TEST(RootDrift, ScalesLengthsWithTheBody) {

@@ -31,6 +31,18 @@ TEST(Simulate, StandingBodyStands) {
   EXPECT_EQ(report.unsolved_steps, 0);
 }
 
+TEST(Simulate, FloorIsAtTheHeightOfTheSoles) {
+  RobotClip clip = standing_clip(load_shipped("unitree_g1"), 60);
+  double last = 0.0;
+  for (const double height : {-0.3, 0.075, 0.1, 1.0}) {
+    for (int i = 0; i < 60; ++i) clip.qpos(i)[2] += height - last;
+    last = height;
+    const SimulationReport report = report_of(clip);
+    EXPECT_FALSE(report.fell) << height;
+    EXPECT_LT(report.root_cm.p95, 1.0) << height;
+  }
+}
+
 TEST(Simulate, LeaningBodyFalls) {
   for (const double lean : {0.52, -0.52}) {
     const SimulationReport report = report_of(standing_clip(load_shipped("unitree_g1"), 90, lean));

@@ -96,7 +96,7 @@ Result<void> check_scene_options(const SolveOptions& solve, const SaveOptions& s
   }
   if (has_scene && !solve.travel.empty() && solve.travel != "1") {
     return usage_failure(OPTION("scene") " cannot be combined with " OPTION("travel"),
-                         "the scene does not move with a scaled path");
+                         "omit " OPTION("travel") ": the scene does not move with a scaled path");
   }
   return {};
 }

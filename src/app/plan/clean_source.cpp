@@ -200,6 +200,10 @@ void doubt_level(const Clip& clip, Plan& plan) {
 
 Result<void> scale_source_travel(Clip& clip, Plan& plan) {
   const std::string chosen = chosen_travel(plan.options.solve);
+  const bool in_scene = plan.options.solve.purpose == Purpose::kTracking && plan.scene;
+  if (chosen.empty() && in_scene) {
+    plan.clip_notes.push_back({"travel", "the path is not scaled, because the scene is not"});
+  }
   if (chosen.empty()) return {};
   if (plan.robot.robot->fixed_base()) {
     plan.clip_notes.push_back({"travel", "the base is fixed: no path to scale"});

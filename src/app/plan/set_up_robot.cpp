@@ -164,7 +164,8 @@ void apply_preset(const SolveOptions& options, FitOptions& fit) {
 
 std::string chosen_travel(const SolveOptions& options) {
   if (!options.travel.empty()) return options.travel;
-  return options.purpose == Purpose::kTracking ? "auto" : "";
+  // The scene does not move with a scaled path.
+  return options.purpose == Purpose::kTracking && options.scene.empty() ? "auto" : "";
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -128,6 +129,8 @@ using Eigen::Vector3d;
 constexpr double kNear = 0.25;  // Distance of a joint from a body that it touches, metres.
 constexpr double kDeep = 0.1;   // Depth of a joint inside a body that it cannot have, metres.
 constexpr double kOftenInside = 0.05;  // Share of the frames.
+constexpr double kOnTop = 0.15;        // Distance of an ankle from a body below it, metres.
+constexpr double kUpward = 0.7;        // Smallest z of the normal of a surface to stand on.
 constexpr double kInterval = 0.1;      // Seconds between the checked frames.
 
 // Consistency of a scene with the human in it.
@@ -136,6 +139,7 @@ struct SceneFit {
   double inside = 0.0;   ///< Share of the frames with a joint inside.
   double deepest = 0.0;  ///< Metres.
   std::string body;      ///< Body with the depth `deepest`.
+  double stood = 0.0;    ///< Share of the frames with a foot on a static body.
 
   [[nodiscard]] bool is_good() const { return nearest <= kNear && inside <= kOftenInside; }
 };
@@ -152,15 +156,19 @@ Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
   HumanPose pose;
   SceneFit fit;
   const int step = std::max(1, static_cast<int>(kInterval / clip.rate().frame_time()));
-  int frames = 0, inside = 0;
+  int frames = 0, inside = 0, stood = 0;
   for (int frame = plan.part.begin; frame < plan.part.end; frame += step) {
     poser.pose(frame, pose);
     double deepest = 0.0;
+    bool stands = false;
     for (const Bone bone : kMappedBones) {
       if (!poser.info().has(bone)) continue;
       for (std::size_t body = 0; body < world.body_count(); ++body) {
-        const double distance =
-            world.distance(frame - plan.part.begin, body, pose[bone].translation).distance;
+        const SurfaceDistance found =
+            world.distance(frame - plan.part.begin, body, pose[bone].translation);
+        const double distance = found.distance;
+        stands = stands || (limb_bone(bone) == LimbBone::kFoot && !world.moves(body) &&
+                            std::abs(distance) < kOnTop && found.normal.z() > kUpward);
         fit.nearest = std::min(fit.nearest, distance);
         deepest = std::max(deepest, -distance);
         if (-distance > std::max(fit.deepest, kDeep))
@@ -170,8 +178,12 @@ Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
     }
     ++frames;
     inside += deepest > kDeep ? 1 : 0;
+    stood += stands ? 1 : 0;
   }
-  if (frames > 0) fit.inside = static_cast<double>(inside) / frames;
+  if (frames > 0) {
+    fit.inside = static_cast<double>(inside) / frames;
+    fit.stood = static_cast<double>(stood) / frames;
+  }
   return fit;
 }
 
@@ -193,15 +205,16 @@ bool has_speck(const Scene& scene, double unit) {
   });
 }
 
-// Whether the scene suits the human if its file has the unit and axes of the clip.
-Result<bool> fits_in_clip_axes(const Clip& clip, const Plan& plan) {
+// How the scene suits the human if its file has the unit and axes of the clip; empty: not at all.
+std::optional<SceneFit> fit_in_clip_axes(const Clip& clip, const Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
   Scene scene = *plan.scene;
   std::vector<ObjectTrack> tracks = plan.object_tracks;
   bring_to_world(calibration.human_from_source, calibration.metres_per_unit, scene, tracks);
-  if (has_speck(scene, calibration.metres_per_unit)) return false;
+  if (has_speck(scene, calibration.metres_per_unit)) return {};
   const auto fit = measure_fit(clip, plan, std::make_shared<const Scene>(std::move(scene)), tracks);
-  return fit && fit->is_good();
+  if (!fit || !fit->is_good()) return {};
+  return *fit;
 }
 
 std::string doubt_about(const SceneFit& fit, const std::string& scene) {
@@ -220,12 +233,19 @@ std::string doubt_about(const SceneFit& fit, const std::string& scene) {
 Result<void> check_scene_fit(const Clip& clip, Plan& plan) {
   if (!plan.scene || !plan.options.solve.terrain.empty()) return {};
   TRY_ASSIGN(const SceneFit fit, measure_fit(clip, plan, plan.scene, plan.object_tracks));
-  if (fit.is_good()) return {};
-  std::string doubt = doubt_about(fit, plan.scene->name);
-  if (plan.options.solve.scene_axes == SceneAxes::kHuman) {
-    TRY_ASSIGN(const bool of_clip, fits_in_clip_axes(clip, plan));
-    doubt += of_clip ? "; it fits with " OPTION("scene-axes") " clip"
-                     : "; check its unit (metres), axes (z up) and origin";
+  constexpr double kNever = 0.02, kOften = 0.2;  // Shares of the frames.
+  const bool has_ground = !std::ranges::all_of(plan.scene->bodies, &SceneBody::moves);
+  if (fit.is_good() && (fit.stood > kNever || !has_ground)) return {};
+  const bool in_axes_of_human = plan.options.solve.scene_axes == SceneAxes::kHuman;
+  const auto in_clip_axes =
+      in_axes_of_human ? fit_in_clip_axes(clip, plan) : std::optional<SceneFit>();
+  if (fit.is_good() && !(in_clip_axes && in_clip_axes->stood > kOften)) return {};
+  std::string doubt =
+      fit.is_good() ? fmt::format("the human stands on no body of the scene {}", plan.scene->name)
+                    : doubt_about(fit, plan.scene->name);
+  if (in_axes_of_human) {
+    doubt += in_clip_axes ? "; it fits with " OPTION("scene-axes") " clip"
+                          : "; check its unit (metres), axes (z up) and origin";
   }
   plan.clip_doubts.push_back({0, 0, std::move(doubt)});
   return {};

@@ -1,6 +1,7 @@
 #include "retarget/certificate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "retarget-certificate-1";
+// Members that no other document of this tool has.
+constexpr std::array kOwnMembers = {"margins", "prediction", "verdict"};
 
 // Options that differ from their defaults, as texts by name.
 Json given_options(const OptionTable& rows, const OptionTable& defaults) {
@@ -206,9 +209,16 @@ std::string sidecar_change(const Json& recorded, const Json& now, const std::str
                              : " has changed since the certificate was written");
 }
 
+// Files may have moved to another folder, but keep their names.
+bool is_same_name(const Json& recorded, const Json& now) {
+  const auto name = [](const Json& input) { return fs::path(name_from(input, "file")).filename(); };
+  return recorded.is_object() && recorded.value("role", Json()) == now["role"] &&
+         name(recorded) == name(now);
+}
+
 // The first member in which two documents differ, as a path; empty: none.
 std::string first_difference(const Json& recorded, const Json& now) {
-  const auto changes = nlohmann::json::diff(nlohmann::json(recorded), nlohmann::json(now));
+  const Json changes = Json::diff(recorded, now);
   return changes.empty() ? std::string() : changes.front()["path"].get<std::string>();
 }
 
@@ -267,15 +277,23 @@ std::string certificate_file(const std::string& motion) {
 }
 
 bool is_certificate(std::string_view text) {
-  return text.substr(0, 200).find(kSchema) != std::string_view::npos;
+  if (text.substr(0, 200).find(kSchema) != std::string_view::npos) return true;
+  const Json json = Json::parse(text, nullptr, false);
+  return json.is_object() && std::ranges::all_of(kOwnMembers, [&](const char* member) {
+           return json.contains(member);
+         });
 }
 
 Result<void> verify_certificate(std::string_view text, const std::string& file,
                                 const DataFolder& data_folder, Observer& observer) {
   TRY_ASSIGN(const Json recorded, parse_json(text, file));
-  const bool sound = recorded.is_object() && recorded.value("schema", Json()) == Json(kSchema) &&
-                     recorded.contains("motion") && recorded["motion"].is_object() &&
-                     recorded.contains("request");
+  if (!recorded.is_object() || recorded.value("schema", Json()) != Json(kSchema)) {
+    return input_failure(file,
+                         std::string("\"schema\" of the certificate is not \"") + kSchema + "\"",
+                         "it was changed, or made by another version of this tool");
+  }
+  const bool sound =
+      recorded.contains("motion") && recorded["motion"].is_object() && recorded.contains("request");
   const std::string name = sound ? name_from(recorded["motion"], "file") : std::string();
   if (!is_plain_name(name)) return input_failure(file, "the file is not a certificate");
   TRY_ASSIGN(MeasureRequest request, request_from(recorded["request"], file));
@@ -293,14 +311,11 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   TRY_ASSIGN(const Certificate certificate, certify(here, observer));
   Json now = Json::parse(certificate.json, nullptr, false);
   now["request"] = recorded["request"];
-  // Files may have moved; only their contents are compared.
   const Json inputs = recorded.value("inputs", Json::array());
   const std::size_t known = inputs.is_array() ? inputs.size() : 0;
   for (std::size_t i = 0; i < std::min(known, now["inputs"].size()); ++i) {
     Json& input = now["inputs"][i];
-    if (inputs[i].is_object() && inputs[i].value("role", Json()) == input["role"]) {
-      input["file"] = inputs[i].value("file", Json());
-    }
+    if (is_same_name(inputs[i], input)) input["file"] = inputs[i].value("file", Json());
   }
   const std::string difference = first_difference(recorded, now);
   if (difference.empty()) {
@@ -313,7 +328,7 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   return run_failure(file, "the certificate differs at " + difference,
                      !sidecar.empty() ? sidecar
                      : same_version ? "it was changed, or an input was, or it was made on another "
-                                      "machine"
+                                      "machine; a changed request changes the values, too"
                                     : "it was made by another version of this tool");
 }
 

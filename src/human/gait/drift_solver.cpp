@@ -61,12 +61,7 @@ class DriftSolver {
       result.speed_before = speed_of_stances() * tracks_.scale;
       result.climb_before = climb_of_stances() * tracks_.scale;
     });
-    Vector3d middle;
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double> values;
-      for (const Vector3d& drift : drift_) values.push_back(drift[axis]);
-      middle[axis] = median(values);
-    }
+    const Vector3d middle = middle_of_drift();
     for (const Vector3d& drift : drift_) {
       result.drift.push_back(drift * tracks_.scale);
       result.farthest = std::max(result.farthest, (drift - middle).norm() * tracks_.scale);
@@ -184,6 +179,7 @@ class DriftSolver {
     common_.clear();
     constexpr double kSure = 0.8, kLeastChange = 0.5;  // m/s^2
     Vector3d squares = Vector3d::Zero();
+    double product = 0.0;  // Of the horizontal components.
     int changes = 0;
     bool was_sure = false;
     for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
@@ -196,14 +192,58 @@ class DriftSolver {
       common_.push_back(sum / std::max(weight, 1e-9));
       const bool sure = weight > kSure;
       if (sure && was_sure) {
-        squares += (common_[i] - common_[i - 1]).cwiseAbs2();
+        const Vector3d change = common_[i] - common_[i - 1];
+        squares += change.cwiseAbs2();
+        product += change.x() * change.y();
         ++changes;
       }
       was_sure = sure;
     }
     const double least = kLeastChange * square(tracks_.frame_time);
-    if (changes > 0) squares /= changes;
+    if (changes > 0) {
+      squares /= changes;
+      product /= changes;
+    }
+    find_axes(product, squares);
     change_ = squares.cwiseSqrt().cwiseMax(least);
+  }
+
+  // Horizontally the geometric median, which turns with the world.
+  [[nodiscard]] Vector3d middle_of_drift() const {
+    constexpr int kPasses = 30;
+    constexpr double kNear = 1e-3;  // Metres.
+    Vector3d middle = Vector3d::Zero();
+    for (const Vector3d& drift : drift_) middle += drift / static_cast<double>(drift_.size());
+    for (int pass = 0; pass < kPasses; ++pass) {
+      Vector3d sum = Vector3d::Zero();
+      double weights = 0.0;
+      for (const Vector3d& drift : drift_) {
+        const double weight = 1.0 / std::max(kNear, (drift - middle).head<2>().norm());
+        sum += weight * drift;
+        weights += weight;
+      }
+      middle = sum / weights;
+    }
+    std::vector<double> heights;
+    for (const Vector3d& drift : drift_) heights.push_back(drift.z());
+    middle.z() = median(heights);
+    return middle;
+  }
+
+  // The horizontal axes in which the changes are uncorrelated: they turn with the world.
+  // @param squares  mean squares of the changes along x, y and z; then along axes_
+  void find_axes(double product, Vector3d& squares) {
+    const double middle = 0.5 * (squares.x() + squares.y());
+    const double half = 0.5 * (squares.x() - squares.y());
+    const double apart = std::sqrt(half * half + product * product);
+    axes_.setIdentity();
+    if (!(apart > 0.0)) return;
+    const double cosine = std::sqrt(std::max(0.0, 0.5 * (1.0 + half / apart)));
+    const double sine =
+        std::copysign(std::sqrt(std::max(0.0, 0.5 * (1.0 - half / apart))), product);
+    axes_.col(0) = Vector3d(cosine, sine, 0.0);
+    axes_.col(1) = Vector3d(-sine, cosine, 0.0);
+    squares.head<2>() << middle + apart, std::max(0.0, middle - apart);
   }
 
   template <typename Measure>
@@ -248,11 +288,12 @@ class DriftSolver {
   void solve_axis(int axis, double gate) {
     // Acceleration of the hips in m/s^2, and root offset in metres over about a second.
     constexpr double kHipsChange = 6.0, kAside = 0.15, kUpward = 0.5;
+    const Vector3d along = axes_.col(axis);
     PentadiagonalFit fit(tracks_.count);
     const double hips = 1.0 / square(kHipsChange * square(tracks_.frame_time));
     const double smooth = 1.0 / square(change_[axis]);
     for (std::size_t i = 0; i + 2 < tracks_.count; ++i) {
-      const double bend = hips_[i][axis] - 2.0 * hips_[i + 1][axis] + hips_[i + 2][axis];
+      const double bend = along.dot(hips_[i] - 2.0 * hips_[i + 1] + hips_[i + 2]);
       fit.add_second_difference(i, hips, bend);
       fit.add_second_difference(i, smooth, 0.0);
     }
@@ -260,13 +301,15 @@ class DriftSolver {
     for (std::size_t i = 0; i < tracks_.count; ++i) fit.add_value(i, near, 0.0);
     for (int end = 0; end < kEndCount; ++end) {
       for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
-        fit.add_difference(i, weights_[end][i] / square(step_), step_of_root(end, i)[axis]);
+        fit.add_difference(i, weights_[end][i] / square(step_), along.dot(step_of_root(end, i)));
       }
     }
     add_rest(axis, fit);
     if (axis == 2 && gate > 0.0) add_level(gate, fit);
     const std::vector<double> solved = fit.solve();
-    for (std::size_t i = 0; i < tracks_.count; ++i) drift_[i][axis] = solved[i];
+    for (std::size_t i = 0; i < tracks_.count; ++i) {
+      drift_[i] += (solved[i] - along.dot(drift_[i])) * along;
+    }
   }
 
   // Where nothing stands, the root hardly drifts faster than the planted parts show.
@@ -383,7 +426,8 @@ class DriftSolver {
   Vector3d rolling_ = Vector3d::Zero();   // Step of standing feet that roll.
   Vector3d measured_ = Vector3d::Ones();  // Axes of the measured speed: 1, others: 0.
   std::vector<Vector3d> drift_, hips_, common_;
-  Vector3d change_ = Vector3d::Zero();  // RMS of the drift's second differences.
+  Eigen::Matrix3d axes_ = Eigen::Matrix3d::Identity();  // Columns; the last is vertical.
+  Vector3d change_ = Vector3d::Zero();  // RMS of the drift's second differences along axes_.
   std::array<std::vector<double>, kEndCount> stands_, weights_;
   bool is_first_ = true;
 };

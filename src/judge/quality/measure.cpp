@@ -89,10 +89,11 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
 // The feet of a source and the ground on which they stand. The source may be longer; only the
 // frames of the motion matter.
 struct SourceGround {
-  SourceGround(const QualitySource& source, int frames)
-      : feet(*source.human, frames),
-        contacts(source.scene == nullptr ? find_contacts(feet)
-                                         : find_contacts_on_ground(*source.scene, feet)) {
+  SourceGround(const QualitySource& source, int frames) : feet(*source.human, frames) {
+    SourceFeet at_source_speed = feet;
+    at_source_speed.frame_time /= source.pace;
+    contacts = source.scene == nullptr ? find_contacts(at_source_speed)
+                                       : find_contacts_on_ground(*source.scene, at_source_speed);
     edit_contacts(source.contact_edits, feet, contacts);
     if (source.scene == nullptr && feet.foot_count > 0) floor = floor_height(contacts);
   }

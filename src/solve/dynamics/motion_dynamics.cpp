@@ -46,7 +46,7 @@ class Analyser {
   }
 
   double floor() {
-    return is_empty() || points_.empty() ? 0.0 : standing_height(track_points(), sizes_);
+    return is_empty() || points_.empty() ? 0.0 : lowest_standing_height(track_points(), sizes_);
   }
 
   MotionDynamics run() {

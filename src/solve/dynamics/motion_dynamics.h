@@ -63,7 +63,8 @@ struct MotionDynamics {
 [[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip,
                                               const SceneWorld* scene = nullptr);
 
-/// MotionDynamics::floor_height of a motion, metres, without inverse dynamics.
+/// Height of the lowest level on which the soles of a motion stand, metres
+/// (lowest_standing_height()).
 [[nodiscard]] double standing_floor(const RobotClip& clip);
 
 }  // namespace retarget

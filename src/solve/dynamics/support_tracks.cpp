@@ -1,6 +1,7 @@
 #include "solve/dynamics/support_tracks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -103,13 +104,18 @@ Vector3d SupportTracks::velocity(std::size_t sample, std::size_t point) const {
   return (at(after, point) - at(before, point)) / static_cast<double>(after - before);
 }
 
-double standing_height(const SupportTracks& tracks, const BodySizes& sizes) {
+namespace {
+
+// Heights of a sole at a sample at which it is level and slow.
+struct StandingSole {
+  double lowest = 0.0, middle = 0.0;
+};
+
+std::vector<StandingSole> standing_soles(const SupportTracks& tracks, const BodySizes& sizes) {
   const std::vector<SupportPoint>& points = tracks.points();
   const double slow = 0.15 * sizes.speed;
-  const double flat = 0.02 * sizes.length, top = 0.08 * sizes.length;
-  const double bottom = -0.06 * sizes.length;
-  constexpr double kMinSeconds = 0.5;
-  std::vector<double> heights;
+  const double flat = 0.02 * sizes.length;
+  std::vector<StandingSole> soles;
   for (std::size_t begin = 0; begin < points.size() && points[begin].of_sole;) {
     std::size_t end = begin;
     while (end < points.size() && points[end].of_sole && points[end].link == points[begin].link)
@@ -125,15 +131,54 @@ double standing_height(const SupportTracks& tracks, const BodySizes& sizes) {
         low = std::min(low, tracks.at(i, p).z());
         high = std::max(high, tracks.at(i, p).z());
       }
-      if (high - low >= flat || low >= top || low <= bottom) continue;
+      if (!(high - low < flat)) continue;
       if ((middle(i + 1) - middle(i - 1)).norm() * tracks.rate() / 2.0 < slow) {
-        heights.push_back(middle(i).z());
+        soles.push_back({low, middle(i).z()});
       }
     }
     begin = end;
   }
-  if (static_cast<double>(heights.size()) < kMinSeconds * tracks.rate()) return 0.0;
+  return soles;
+}
+
+// Number of samples for which soles stand on a floor.
+std::size_t least_samples(const SupportTracks& tracks) {
+  constexpr double kMinSeconds = 0.5;
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(kMinSeconds * tracks.rate())));
+}
+
+}  // namespace
+
+double standing_height(const SupportTracks& tracks, const BodySizes& sizes) {
+  const double bottom = -0.06 * sizes.length, top = 0.08 * sizes.length;
+  std::vector<double> heights;
+  for (const StandingSole& sole : standing_soles(tracks, sizes)) {
+    if (sole.lowest > bottom && sole.lowest < top) heights.push_back(sole.middle);
+  }
+  if (heights.size() < least_samples(tracks)) return 0.0;
   return median(std::move(heights));
+}
+
+double lowest_standing_height(const SupportTracks& tracks, const BodySizes& sizes) {
+  const double one_level = 0.08 * sizes.length, sinks = 0.06 * sizes.length;
+  std::vector<double> heights;
+  for (const StandingSole& sole : standing_soles(tracks, sizes)) heights.push_back(sole.middle);
+  std::ranges::sort(heights);
+  const std::size_t least = least_samples(tracks);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < tracks.sample_count(); ++i) {
+    for (std::size_t p = 0; p < tracks.points().size(); ++p) {
+      lowest = std::min(lowest, tracks.at(i, p).z());
+    }
+  }
+  for (std::size_t i = 0; i + least <= heights.size(); ++i) {
+    if (heights[i + least - 1] - heights[i] > one_level) continue;
+    const auto end = std::ranges::upper_bound(heights, heights[i] + one_level);
+    const double height = median({heights.begin() + static_cast<std::ptrdiff_t>(i), end});
+    // A body that also moves far below these soles stands on a box.
+    return lowest < height - sinks ? standing_height(tracks, sizes) : height;
+  }
+  return 0.0;
 }
 
 }  // namespace retarget

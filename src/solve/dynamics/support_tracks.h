@@ -85,7 +85,12 @@ class SupportTracks {
 };
 
 /// Median height of the soles while they stand, metres. A sole stands while it is level, slow and
-/// near the floor. 0 if the soles stand for less than half a second in total.
+/// from 6 cm below to 8 cm above height 0 (for a robot of a G1's size). 0 if the soles stand for
+/// less than half a second in total.
 [[nodiscard]] double standing_height(const SupportTracks& tracks, const BodySizes& sizes);
+
+/// Median height of the lowest level on which soles stand for half a second in total, at any
+/// distance from height 0, metres. standing_height() if the body also moves far below this level.
+[[nodiscard]] double lowest_standing_height(const SupportTracks& tracks, const BodySizes& sizes);
 
 }  // namespace retarget

@@ -59,6 +59,9 @@ struct FitRun {
   bool limit_speeds = true;
   /// Units in which files print the joint positions, each with FitOptions::decimals.
   std::vector<PrintedUnits> printed = {{}};
+  /// Seconds of the clip per second of the source, which was slowed down by this factor. Contacts
+  /// are detected at the source's speed.
+  double pace = 1.0;
   /// User edits that are applied to the contacts detected in the source.
   std::span<const ContactEdit> contact_edits = {};
 };
