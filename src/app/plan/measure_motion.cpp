@@ -35,11 +35,11 @@ Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& finger
   return to_human(*clip, plan.human.calibration);
 }
 
-// The source, with its lead-in or without.
 double pace_of(const std::optional<TimeScale>& scale) {
   return scale ? scale->constant_pace() : 1.0;
 }
 
+// The source, with its lead-in or without.
 QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
   return {.human = lead_in ? &*measured.human_with_lead_in : &measured.human,
           .config = &measured.config,

@@ -27,7 +27,7 @@ double change_in_a_second(const Track& drift, double frame_time) {
 void keep_travel(Track& drift, double wander, double frame_time) {
   // In walks and runs with exact roots, drifts change by up to 1.7 times the wandering of the legs.
   constexpr double kExplained = 1.8;
-  constexpr double kSlow = 0.5;  // Hz
+  constexpr double kSlow = 0.3;  // Hz
   if (change_in_a_second(drift, frame_time) > kExplained * wander) return;
   const Track slow = smoothed(drift, smoothing_strength(kSlow, frame_time));
   for (std::size_t i = 0; i < drift.size(); ++i) drift[i].head<2>() -= slow[i].head<2>();
