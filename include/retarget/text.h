@@ -39,6 +39,12 @@ template <typename Number>
 [[nodiscard]] std::optional<std::vector<double>> numbers_from_text(std::string_view text,
                                                                    char separator);
 
+/// The text without the UTF-8 byte order mark with which some editors begin files.
+[[nodiscard]] inline std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
 /// `1 frame`, `2 frames`.
 [[nodiscard]] std::string count_text(std::integral auto count, std::string_view noun) {
   return std::to_string(count).append(" ").append(noun).append(count == 1 ? "" : "s");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,9 @@ struct TimeScale {
 
   /// The smallest factor of all stretches; 1 without stretches.
   [[nodiscard]] double least_factor() const;
-  /// The pace if it is the same everywhere; otherwise 1.
-  [[nodiscard]] double constant_pace() const;
 };
+
+/// The pace if it is the same everywhere; otherwise, and without a time scale, 1.
+[[nodiscard]] double constant_pace(const std::optional<TimeScale>& scale);
 
 }  // namespace retarget

@@ -29,12 +29,13 @@ Failure read_failure(ErrorKind kind, const std::string& path, int error_number) 
 
 Failure write_failure(const std::string& name, int error_number) {
   const bool is_stream = name == "-";
-  const std::string space = "free some space or write elsewhere";
+  std::string hint;
+  if (os::is_out_of_space(error_number)) {
+    if (!is_stream) hint = "no partial file remains; ";
+    hint += "free some space or write elsewhere";
+  }
   return run_failure(is_stream ? "standard output" : name,
-                     "cannot write the file: " + system_message(error_number),
-                     !os::is_out_of_space(error_number) ? ""
-                     : is_stream                        ? space
-                                                        : "no partial file remains; " + space);
+                     "cannot write the file: " + system_message(error_number), hint);
 }
 
 Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t max,

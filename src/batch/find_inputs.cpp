@@ -87,8 +87,8 @@ class InputFinder {
   std::optional<os::FileId> output_folder_;
   std::vector<os::FileId> above_;  // The folder being read and its ancestors.
   FoundInputs found_;
-  int hidden_ = 0, excluded_ = 0;
-  std::multiset<std::string> other_endings_;  // Of files that are not motions.
+  int hidden_ = 0, excluded_ = 0, others_ = 0;  // Numbers of files that are not inputs.
+  std::set<std::string> other_endings_;         // Of the files that are not motions.
   std::set<std::string> used_patterns_;
 };
 
@@ -141,7 +141,9 @@ void InputFinder::add_entry(const fs::directory_entry& entry, const std::string&
   }
   const bool is_special = status && status->kind != os::EntryKind::kRegular;
   if (!is_motion(name) && (is_special || !is_human_pickle(path, below_root))) {
-    if (!name.starts_with('.')) other_endings_.insert(ending_of(name));
+    if (name.starts_with('.')) return;
+    ++others_;
+    other_endings_.insert(ending_of(name));
     return;
   }
   if (name.starts_with("._")) {
@@ -245,8 +247,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
 
 Result<void> InputFinder::add_list(const std::string& file) {
   RETARGET_TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxListBytes));
-  std::string_view text = content.view();
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::string_view text = without_byte_order_mark(content.view());
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
   while (!text.empty()) {
     std::string_view line = take_until(text, end);
@@ -281,10 +282,9 @@ Result<FoundInputs> InputFinder::run() {
     found_.notes.push_back("skipped " + count_text(excluded_, "file") +
                            " because of " RETARGET_OPTION("exclude"));
   }
-  if (!other_endings_.empty() && !search_.of_robots) {
-    const std::set<std::string> endings(other_endings_.begin(), other_endings_.end());
-    found_.notes.push_back("skipped " + count_text(other_endings_.size(), "file") +
-                           " without a human motion: " + list_endings(endings));
+  if (others_ > 0 && !search_.of_robots) {
+    found_.notes.push_back("skipped " + count_text(others_, "file") +
+                           " without a human motion: " + list_endings(other_endings_));
   }
   for (const std::string& pattern : search_.exclude) {
     if (!used_patterns_.contains(pattern)) found_.unused_patterns.push_back(pattern);

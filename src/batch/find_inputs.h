@@ -11,9 +11,6 @@
 
 namespace retarget {
 
-/// Some editors begin lists and tables with it.
-inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-
 /// Whether a name matches a shell pattern: `*` any text, `?` one character, `[a-z]` one of these;
 /// `*` also matches `/`.
 [[nodiscard]] bool matches_pattern(const std::string& pattern, const std::string& name);

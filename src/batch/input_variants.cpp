@@ -171,8 +171,7 @@ std::string part_name(const BatchInput& input, const std::string& name) {
 
 Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
   RETARGET_TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kInput, kMaxTableBytes));
-  std::string_view text = content.view();
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::string_view text = without_byte_order_mark(content.view());
   ClipTableReader reader(path);
   while (!text.empty()) {
     std::string_view line = take_until(text, '\n');

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/math/uniform_spline.h"
 #include "base/try.h"
@@ -149,9 +151,11 @@ double TimeScale::least_factor() const {
   return least;
 }
 
-double TimeScale::constant_pace() const {
-  const bool same = std::ranges::adjacent_find(pace, std::not_equal_to<>()) == pace.end();
-  return same && !pace.empty() ? pace.front() : 1.0;
+double constant_pace(const std::optional<TimeScale>& scale) {
+  if (!scale || scale->pace.empty()) return 1.0;
+  const std::vector<double>& pace = scale->pace;
+  const bool varies = std::ranges::adjacent_find(pace, std::not_equal_to<>()) != pace.end();
+  return varies ? 1.0 : pace.front();
 }
 
 TimeWarp::TimeWarp(const TimeScale& scale, double duration)

@@ -48,8 +48,8 @@ void look_above_noise(double foot_speed, FitOptions& fit) {
   fit.contact_release_height += kReleaseHigher * share;
 }
 
-// Drift of video estimates is smaller than the usual one, so that the path itself may be wrong. Under
-// noisy legs even a smaller drift is uncertain.
+// Drift of video estimates is rarely larger than kUsualDrift; a larger one means that the path itself
+// may be wrong. Under noisy legs, even a smaller drift is uncertain.
 void doubt_path(const CleanReport& report, Plan& plan) {
   constexpr double kUsualDrift = 0.5, kUncertainDrift = 0.2;  // Metres.
   const std::string moved = number_text(report.root_moved, 2);
@@ -200,11 +200,12 @@ void doubt_level(const Clip& clip, Plan& plan) {
 
 Result<void> scale_source_travel(Clip& clip, Plan& plan) {
   const std::string chosen = chosen_travel(plan.options.solve);
-  const bool in_scene = plan.options.solve.purpose == Purpose::kTracking && plan.scene;
-  if (chosen.empty() && in_scene) {
-    plan.clip_notes.push_back({"travel", "the path is not scaled, because the scene is not"});
+  if (chosen.empty()) {
+    if (plan.options.solve.purpose == Purpose::kTracking && plan.scene) {
+      plan.clip_notes.push_back({"travel", "the path is not scaled, because the scene is not"});
+    }
+    return {};
   }
-  if (chosen.empty()) return {};
   if (plan.robot.robot->fixed_base()) {
     plan.clip_notes.push_back({"travel", "the base is fixed: no path to scale"});
     return {};

@@ -35,10 +35,6 @@ Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& finger
   return to_human(*clip, plan.human.calibration);
 }
 
-double pace_of(const std::optional<TimeScale>& scale) {
-  return scale ? scale->constant_pace() : 1.0;
-}
-
 // The source, with its lead-in or without.
 QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
   return {.human = lead_in ? &*measured.human_with_lead_in : &measured.human,
@@ -48,7 +44,7 @@ QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
           .scene = (lead_in ? measured.scene_with_lead_in : measured.scene).get(),
           // Their times count from the end of the lead-in.
           .contact_edits = lead_in ? std::span<const ContactEdit>() : measured.contact_edits,
-          .pace = pace_of(measured.time_scale)};
+          .pace = constant_pace(measured.time_scale)};
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
@@ -219,7 +215,7 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
                              .scene = motion.scene ? motion.scene->human.get() : nullptr,
                              .around_robot = world ? &*world : nullptr,
                              .contact_edits = plan.contact_edits,
-                             .pace = pace_of(plan.time_scale)};
+                             .pace = constant_pace(plan.time_scale)};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   // Tasks pull towards the human, so the motion must not be moved away from it.
   if (plan.options.save.normalize_start) {

@@ -106,7 +106,7 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   }
   run.scene = scene.get();
   run.contact_edits = plan.contact_edits;
-  if (plan.time_scale) run.pace = plan.time_scale->constant_pace();
+  run.pace = constant_pace(plan.time_scale);
   run.object_motion = plan.options.solve.object_motion;
   run.limit_speeds = limit_speeds;
   run.printed = printed_units(plan);

@@ -21,8 +21,6 @@
 namespace retarget {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-
 // One tree of a file and its position among all joints and in the rows.
 struct Tree {
   std::shared_ptr<const Skeleton> skeleton;
@@ -235,8 +233,7 @@ Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
   if (options.source_fps && !(std::isfinite(*options.source_fps) && *options.source_fps > 0.0)) {
     return usage_failure("the source frame rate must be a finite number above 0");
   }
-  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
-  const SourceText source(bytes, file_name);
+  const SourceText source(without_byte_order_mark(bytes), file_name);
   try {
     return BvhReader(source, options).read();
   } catch (const std::bad_alloc&) {

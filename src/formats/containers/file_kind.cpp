@@ -96,11 +96,6 @@ void skip_blanks(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
 }
 
-std::string_view without_bom(std::string_view bytes) {
-  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
-  return bytes;
-}
-
 bool is_utf16(std::string_view bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return true;
   // Without a byte order mark, every other byte of ASCII text is zero.
@@ -125,7 +120,7 @@ bool is_usd_archive(std::string_view bytes) {
 
 // Text files begin with a comment of the exporter or with the first element, after other comments.
 bool is_fbx_text(std::string_view bytes) {
-  bytes = without_bom(bytes);
+  bytes = without_byte_order_mark(bytes);
   while (true) {
     skip_blanks(bytes);
     if (bytes.starts_with("; FBX") || bytes.starts_with("FBXHeaderExtension")) return true;
@@ -144,7 +139,7 @@ bool is_gltf_text(std::string_view bytes) {
 // XML without the byte order mark, comments and declarations before its first element; empty for
 // other text.
 std::string_view from_xml_root(std::string_view bytes) {
-  bytes = without_bom(bytes);
+  bytes = without_byte_order_mark(bytes);
   while (true) {
     skip_blanks(bytes);
     if (!bytes.starts_with("<?") && !bytes.starts_with("<!")) {
@@ -176,7 +171,7 @@ FileType xml_type(std::string_view bytes) {
   if (is_element(root, "robot")) {
     return {FileKind::kForeign, "a URDF model without motion", kModelHint};
   }
-  skip_blanks(bytes = without_bom(bytes));
+  skip_blanks(bytes = without_byte_order_mark(bytes));
   if (!bytes.starts_with("<?xml")) return {};
   return {FileKind::kForeign, "an XML document", "export the motion as FBX, GLB or BVH"};
 }
@@ -188,7 +183,7 @@ bool is_mp4(std::string_view bytes) {
 }
 
 FileType json_type(std::string_view bytes) {
-  skip_blanks(bytes = without_bom(bytes));
+  skip_blanks(bytes = without_byte_order_mark(bytes));
   std::string_view inner = bytes;
   while (inner.starts_with('[')) {
     inner.remove_prefix(1);
@@ -273,7 +268,7 @@ FileType file_type(std::string_view bytes) {
   if (is_obj(bytes)) {
     return {FileKind::kForeign, "an OBJ mesh, which contains no skeleton", kNoMotionHint};
   }
-  std::string_view text = without_bom(bytes);
+  std::string_view text = without_byte_order_mark(bytes);
   skip_blanks(text);
   for (const Signature& signature : kSignatures) {
     if (begins_with(text, signature)) {

@@ -53,9 +53,7 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 20U;
   TRY_ASSIGN(const auto bytes, read_file(file, ErrorKind::kConfig, kMaxBytes));
   constexpr const char* kHint = "one name per line, or a JSON list";
-  constexpr std::string_view kBom = "\xef\xbb\xbf";
-  std::string_view text = bytes.view();
-  if (text.starts_with(kBom)) text.remove_prefix(kBom.size());
+  std::string_view text = without_byte_order_mark(bytes.view());
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (text.starts_with('[') || text.starts_with('{')) {
     TRY_ASSIGN(const auto json, parse_json(text, file));

@@ -45,7 +45,7 @@ class CsvTableReader {
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
       return input_failure(file_, "the file is UTF-16 text", "save it as UTF-8");
     }
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    text = without_byte_order_mark(text);
     const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
     const bool is_ended = text.ends_with(line_end);
     while (!text.empty()) {

@@ -235,7 +235,7 @@ Failure load_failure(const ufbx_error& error, const std::string& file_name) {
 
 Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name,
                             std::size_t max_bytes) {
-  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  bytes = without_byte_order_mark(bytes);
   if (!bytes.starts_with("Kaydara FBX Binary")) TRY(check_fbx_text(bytes, file_name));
   const ufbx_load_opts options = load_options(bytes.size(), max_bytes);
   ufbx_error error;

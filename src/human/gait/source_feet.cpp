@@ -98,6 +98,12 @@ void SourceFeet::add(const HumanPose& pose) {
   for (const Bone bone : kUpperBones) uppers.push_back(upper_height(pose, bone, scale));
 }
 
+SourceFeet SourceFeet::before_pace(double pace) const {
+  SourceFeet feet_before = *this;
+  feet_before.frame_time /= pace;
+  return feet_before;
+}
+
 void SourceFeet::forget(int frames) {
   const auto drop = [frames](auto& values, std::size_t of_frame) {
     const std::size_t count = std::min(values.size(), static_cast<std::size_t>(frames) * of_frame);

@@ -68,6 +68,9 @@ struct SourceFeet {
   /// Reserves memory so that add() does not allocate for this many frames.
   void reserve(int frames);
 
+  /// The same feet before a time scale slowed them by a constant pace (TimeScale).
+  [[nodiscard]] SourceFeet before_pace(double pace) const;
+
   [[nodiscard]] int frame_count() const {
     return foot_count == 0 ? 0 : static_cast<int>(feet.size()) / foot_count;
   }

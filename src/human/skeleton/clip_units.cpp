@@ -366,10 +366,11 @@ std::optional<Warning> find_missing_root(const Clip& clip, const BoneMap& map, c
   // The root of a run may be missing over the ground, and bounce.
   const Eigen::Matrix3d everywhere = Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d over_ground = everywhere - up * up.transpose();
+  if (!(steps.root(over_ground) < kRestingRoot)) return std::nullopt;
+  const FootSlides slides(clip, body, up);
   const auto is_missing = [&](const Eigen::Matrix3d& measured) {
     const double root = steps.root(measured);
-    return root < kRestingRoot &&
-           steady_slide(clip, body, up, measured) > std::max(root, kMovingFeet);
+    return root < kRestingRoot && slides.steady(measured) > std::max(root, kMovingFeet);
   };
   if (!is_missing(everywhere) && !is_missing(over_ground)) return std::nullopt;
   if (moves_by_root_alone(clip, slots) && steps.root() > 0.0 &&

@@ -15,13 +15,9 @@ namespace retarget {
 using Eigen::Vector3d;
 
 std::vector<int> feet_of_body(const Body& body) {
-  std::vector<int> feet;
-  for (const LimbBone part : {LimbBone::kFoot, LimbBone::kToe}) {
-    for (const Side side : kSides) {
-      const int joint = body.joint(side_bone(side, part));
-      if (joint >= 0) feet.push_back(joint);
-    }
-  }
+  std::vector<int> feet = body.joints_of(LimbBone::kFoot);
+  const std::vector<int> toes = body.joints_of(LimbBone::kToe);
+  feet.insert(feet.end(), toes.begin(), toes.end());
   return feet;
 }
 
@@ -52,8 +48,7 @@ std::vector<Vector3d> smooth_places(const Clip& clip, int frame, int reach) {
 
 }  // namespace
 
-double steady_slide(const Clip& clip, const Body& body, const Vector3d& up,
-                    const Eigen::Matrix3d& measured) {
+FootSlides::FootSlides(const Clip& clip, const Body& body, const Vector3d& up) {
   constexpr double kTime = 0.1, kGap = 1.0 / 30.0;  // Seconds.
   constexpr int kMostSamples = 1000;                // Spread evenly over the clip.
   const auto frames_of = [&](double seconds) {
@@ -63,24 +58,19 @@ double steady_slide(const Clip& clip, const Body& body, const Vector3d& up,
   const int count = clip.frame_count() - 2 * step - 3 * gap;
   const double leg = leg_length(body);
   const std::vector<int> feet = feet_of_body(body), supports = supports_of_body(body);
-  if (!(leg > 0.0) || feet.empty() || count <= 0) return 0.0;
-  std::vector<double> products;
+  if (!(leg > 0.0) || feet.empty()) return;
+  unit_ = leg * step * clip.rate().frame_time();
   for (int begin = 0; begin < count; begin += std::max(step, count / kMostSamples)) {
     const int first = begin + gap, second = first + step + gap;
     // Without the gap, both displacements would have the noise of the frame between them.
     const std::array<std::vector<Vector3d>, 4> places = {
         smooth_places(clip, first, gap), smooth_places(clip, first + step, gap),
         smooth_places(clip, second, gap), smooth_places(clip, second + step, gap)};
-    double lowest_foot = std::numeric_limits<double>::infinity(), least = lowest_foot;
-    double product = 0.0;
+    std::vector<Slide>& slides = samples_.emplace_back();
     const auto add = [&](std::size_t joint) {
-      const Vector3d before = measured * (places[1][joint] - places[0][joint]);
-      const Vector3d after = measured * (places[3][joint] - places[2][joint]);
-      const double moved = before.squaredNorm() + after.squaredNorm();
-      if (moved >= least) return;
-      least = moved;
-      product = before.dot(after);
+      slides.push_back({places[1][joint] - places[0][joint], places[3][joint] - places[2][joint]});
     };
+    double lowest_foot = std::numeric_limits<double>::infinity();
     for (const int foot : feet) {
       const auto joint = static_cast<std::size_t>(foot);
       lowest_foot = std::min(lowest_foot, up.dot(places[1][joint]));
@@ -90,10 +80,24 @@ double steady_slide(const Clip& clip, const Body& body, const Vector3d& up,
       const auto joint = static_cast<std::size_t>(support);
       if (up.dot(places[1][joint]) < lowest_foot) add(joint);
     }
+  }
+}
+
+double FootSlides::steady(const Eigen::Matrix3d& measured) const {
+  if (samples_.empty()) return 0.0;
+  std::vector<double> products;
+  for (const std::vector<Slide>& slides : samples_) {
+    double least = std::numeric_limits<double>::infinity(), product = 0.0;
+    for (const Slide& slide : slides) {
+      const Vector3d before = measured * slide.before, after = measured * slide.after;
+      const double moved = before.squaredNorm() + after.squaredNorm();
+      if (moved >= least) continue;
+      least = moved;
+      product = before.dot(after);
+    }
     products.push_back(product);
   }
-  const double usual = median(std::move(products));
-  return std::sqrt(std::max(0.0, usual)) / (leg * step * clip.rate().frame_time());
+  return std::sqrt(std::max(0.0, median(std::move(products)))) / unit_;
 }
 
 }  // namespace retarget

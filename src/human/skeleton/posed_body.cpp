@@ -136,6 +136,15 @@ Body::Body(const Skeleton& skeleton, const BoneMap& map)
   }
 }
 
+std::vector<int> Body::joints_of(LimbBone part) const {
+  std::vector<int> found;
+  for (const Side side : kSides) {
+    const Bone bone = side_bone(side, part);
+    if (has(bone)) found.push_back(joint(bone));
+  }
+  return found;
+}
+
 Segment Body::find_segment(Bone bone) const {
   const int start = joint(bone);
   if (start < 0) return {};

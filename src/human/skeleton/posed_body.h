@@ -57,6 +57,8 @@ class Body {
   [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
   [[nodiscard]] int joint(Bone bone) const { return joints_[bone]; }
   [[nodiscard]] const BoneArray<int>& joints() const { return joints_; }
+  /// The mapped joints of a bone of both sides.
+  [[nodiscard]] std::vector<int> joints_of(LimbBone part) const;
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
   /// Joint whose rotation turns the bone (see rotation_joint); joint() is where the bone begins.
   /// -1: the bone has no joint, or its rotation is not reliable.

@@ -13,15 +13,8 @@ namespace {
 
 // End joints of the legs: ankles, or knees if there are no ankles.
 std::vector<int> feet_of(const Body& body) {
-  std::vector<int> feet;
-  for (const LimbBone part : {LimbBone::kFoot, LimbBone::kLeg}) {
-    for (const Side side : kSides) {
-      const int joint = body.joint(side_bone(side, part));
-      if (joint >= 0) feet.push_back(joint);
-    }
-    if (!feet.empty()) break;
-  }
-  return feet;
+  std::vector<int> feet = body.joints_of(LimbBone::kFoot);
+  return feet.empty() ? body.joints_of(LimbBone::kLeg) : feet;
 }
 
 // Mean of the unit vectors from feet to hips and from hips to head.

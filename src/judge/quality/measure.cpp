@@ -90,8 +90,7 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
 // frames of the motion matter.
 struct SourceGround {
   SourceGround(const QualitySource& source, int frames) : feet(*source.human, frames) {
-    SourceFeet at_source_speed = feet;
-    at_source_speed.frame_time /= source.pace;
+    const SourceFeet at_source_speed = feet.before_pace(source.pace);
     contacts = source.scene == nullptr ? find_contacts(at_source_speed)
                                        : find_contacts_on_ground(*source.scene, at_source_speed);
     edit_contacts(source.contact_edits, feet, contacts);

@@ -157,9 +157,7 @@ Result<void> check_file(const std::string& path) {
     return config_failure(path, "a model must be a regular file");
   }
   TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  std::string_view rest = text.view();
-  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
+  std::string_view rest = without_byte_order_mark(text.view());
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
   if (rest.empty()) return config_failure(path, "the file is empty: expected an MJCF model");
   if (!rest.starts_with('<')) {

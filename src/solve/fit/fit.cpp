@@ -74,7 +74,6 @@ class Fit {
   Result<void> hold_scene_contacts(const FitWindows& plan, int threads);
   Result<void> follow_hands_of_robot(const FitWindows& plan, int threads, FitResult& result);
   Result<void> solve_again(const FitWindows& plan, int threads);
-  [[nodiscard]] SourceFeet feet_at_source_speed() const;
   void edit_contacts_of(FitResult& result);
   void find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
                               FitResult& result);
@@ -277,12 +276,6 @@ void Fit::keep_bounds(FitReport& report) {
   }
 }
 
-SourceFeet Fit::feet_at_source_speed() const {
-  SourceFeet feet = feet_;
-  feet.frame_time /= run_.pace;
-  return feet;
-}
-
 void Fit::edit_contacts_of(FitResult& result) {
   for (const std::size_t idle : edit_contacts(run_.contact_edits, feet_, result.contacts)) {
     result.report.notes.push_back("contact edit " + std::to_string(idle + 1) +
@@ -294,7 +287,7 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
                                  FitResult& result) {
   const SceneWorld& world = *run_.scene;
   const ContactOptions options = contact_options(options_);
-  result.contacts = find_contacts_on_ground(world, feet_at_source_speed(), options);
+  result.contacts = find_contacts_on_ground(world, feet_.before_pace(run_.pace), options);
   edit_contacts_of(result);
   SurfaceParts parts(info, result.contacts.scale);
   HumanPose bones;
@@ -353,7 +346,7 @@ Result<FitResult> Fit::run() {
   if (run_.scene != nullptr && !model_.feet.empty()) {
     find_contacts_in_scene(info, poser, scale, result);
   } else {
-    result.contacts = find_contacts(feet_at_source_speed(), contact_options(options_));
+    result.contacts = find_contacts(feet_.before_pace(run_.pace), contact_options(options_));
     edit_contacts_of(result);
   }
   if (!model_.feet.empty()) {

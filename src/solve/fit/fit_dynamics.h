@@ -57,9 +57,10 @@ class FitDynamics {
   /// Mean over the frames of the unexplained wrench of the current clip, in body weights. The value
   /// of a frame is at most 1 and is scaled by the trust in its contacts.
   double measure(const FitClip& clip);
-  /// Whether to keep the steps after which measure() returned `now`, from `before`. Unknown
-  /// supports, such as uneven ground, carry a body whose contacts explain less than half of it.
-  /// Then the goals of the dynamics terms are wrong.
+  /// Whether to keep the steps after which measure() returned `now`, from `before`. The goals of the
+  /// dynamics terms are wrong where unknown supports, such as uneven ground, carry the body: in more
+  /// than 55 % of the frames, contacts are unknown or the unexplained wrench is above 10 % of the
+  /// weight.
   [[nodiscard]] bool has_helped(double before, double now) const;
   /// Number of frames without trust: their contacts are unknown, so the dynamics terms are off.
   [[nodiscard]] int distrusted_frames() const;

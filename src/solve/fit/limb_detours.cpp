@@ -123,8 +123,8 @@ bool ArmStraightener::release_trunk(WindowTrial& trial) {
   return true;
 }
 
-// Configurations in which the arm follows its targets better, and which small steps from the current
-// one do not reach.
+// Configurations in which the arm follows its targets better, and which small steps from the
+// current one do not reach.
 std::vector<LimbPlace> ArmStraightener::other_branches(const FrameRange& interval) {
   const double off = astray_cost(model_, arm_);
   std::vector<LimbPlace> found;
