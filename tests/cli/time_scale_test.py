@@ -1,5 +1,6 @@
 """`--time-scale`: slower motions, what they keep, reports, sidecars and what refuses it."""
 
+import csv
 import json
 import math
 import unittest
@@ -19,6 +20,25 @@ class TimeScaleTest(ToolTest):
         self.assert_done(self.retarget("-q", *arguments, bvh=sample(name), output=output))
         return (self.folder / output).read_bytes()
 
+    def assert_near(self, phases, wanted, part, delta=2):
+        """Compares begins and ends of contacts, in frames."""
+        self.assertEqual(len(phases), len(wanted), part)
+        for found, expected in zip(phases, wanted):
+            for frame, other in zip(found, expected):
+                self.assertAlmostEqual(frame, other, delta=delta, msg=part)
+
+    def phases(self, name):
+        """The contacts in a CSV by column: their begins and ends."""
+        with (self.folder / name).open() as file:
+            rows = list(csv.DictReader(file))
+        found = {}
+        for column in list(rows[0])[2:]:
+            touches = [0, *(row[column] == "1" for row in rows), 0]
+            edges = [i for i in range(len(rows) + 1) if touches[i] != touches[i + 1]]
+            if edges:
+                found[column] = [list(pair) for pair in zip(edges[::2], edges[1::2])]
+        return found
+
 
 class Factor(TimeScaleTest):
     def test_a_factor_makes_the_motion_longer(self):
@@ -35,9 +55,32 @@ class Factor(TimeScaleTest):
         usual = self.report("whole.json")["contacts"]
         self.assertEqual(sorted(usual), sorted(report["contacts"]))
         for part, phases in usual.items():
-            self.assertEqual(len(phases), len(report["contacts"][part]), part)
+            later = [[2 * begin, 2 * end] for begin, end, _ in phases]
+            self.assert_near([phase[:2] for phase in report["contacts"][part]], later, part)
         self.assertEqual(report["time_scale"]["least"], 0.5)
         self.assertTrue(report["passed"])
+
+    def test_contacts_with_a_scene_are_those_of_the_source(self):
+        # The left hand and elbow pass over a thin table.
+        self.write("table.json", json.dumps({"bodies": [{"name": "table", "position": [0, 0.6, 0.79],
+                   "shapes": [{"type": "box", "size": [20, 0.8, 0.02]}]}]}))
+        reports, labels = [], []
+        for factor in ("1", "0.25"):
+            self.run_sample("squat", "out.csv", "--end", "5", "--scene", "table.json",
+                            "--time-scale", factor, "--contacts", "contacts.csv", "--report",
+                            "out.json")
+            reports.append(self.report("out.json"))
+            labels.append(self.phases("contacts.csv"))
+        self.assertIn("left_hand:table", labels[0])
+        self.assertEqual(labels[0].keys(), labels[1].keys())
+        for part, phases in labels[0].items():
+            later = [[4 * begin, 4 * end] for begin, end in phases]
+            self.assert_near(labels[1][part], later, part, 4)
+        # The metrics count the contacts of the fit.
+        self.assertGreater(reports[0]["scene_contact_pct"], 20.0)
+        self.assertAlmostEqual(reports[1]["scene_contact_pct"], reports[0]["scene_contact_pct"],
+                               delta=3.0)
+        self.assertGreater(reports[1]["scene_contact_kept_pct"], 95.0)
 
     def test_a_factor_of_one_has_no_effect(self):
         plain = self.run_sample("squat", "plain.csv", "--end", "2")

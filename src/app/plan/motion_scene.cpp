@@ -127,13 +127,15 @@ Result<ResolvedConfig> config_for_bones(const MeasuredSource& source, const Huma
 }
 
 // The contacts that a fit with default options would hold.
-void find_contacts_of_human(const HumanClip& human, const SourceFeet& feet, const SceneWorld& world,
+// @param pace  see QualitySource::pace.
+void find_contacts_of_human(const HumanClip& human, double pace, const SceneWorld& world,
                             SourceContacts& of_feet, SolvedScene& solved) {
+  const SourceFeet feet = SourceFeet(human, human.frame_count).before_pace(pace);
   const ContactPlan contacts = find_contacts_on_ground(world, feet);
   SurfaceParts parts(human, contacts.scale);
   for (int frame = 0; frame < human.frame_count; ++frame) parts.add(human.frame(frame));
-  set_contacts(world, feet, contacts,
-               find_surface_contacts(world, parts, {}, human.rate.frame_time()), solved);
+  set_contacts(world, feet, contacts, find_surface_contacts(world, parts, {}, feet.frame_time),
+               solved);
   of_feet = contacts.of_ends();
 }
 
@@ -173,8 +175,7 @@ Result<std::optional<MotionScene>> motion_scene(const MeasuredSource& source, bo
   SolvedScene solved;
   solved.clip = result.robot;
   SourceContacts of_feet;
-  const SourceFeet feet(human, human.frame_count);
-  find_contacts_of_human(human, feet, *world, of_feet, solved);
+  find_contacts_of_human(human, constant_pace(source.time_scale), *world, of_feet, solved);
   result.contacts = make_contact_labels(robot, config, human.frame_count, of_feet, &solved);
   return std::optional(std::move(result));
 }

@@ -120,9 +120,9 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   }
   std::vector<char> touches_scene;
   if (tracked && scale && source.scene != nullptr) {
-    touches_scene =
-        measure_scene(draft, *source.config,
-                      {*source.scene, human, feet, contacts, *scale, source.around_robot}, frames);
+    touches_scene = measure_scene(
+        draft, *source.config,
+        {*source.scene, human, feet, contacts, *scale, source.around_robot, source.pace}, frames);
   }
   const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
   if (scale) measure_flights(draft, tracks, flights, *scale);

@@ -19,6 +19,7 @@ struct SceneSource {
   const ContactPlan& contacts;               ///< Contacts of the human's feet with this scene.
   double scale = 1.0;                        ///< Scale from the human's to the robot's paths.
   const SceneWorld* around_robot = nullptr;  ///< Scene around the robot; null: scaled_world().
+  double pace = 1.0;                         ///< Of the motion, see QualitySource::pace.
 };
 
 /// Measures contacts and penetration between a robot and its scene in the first `frames` frames.
