@@ -18,8 +18,9 @@ namespace RETARGET_API retarget {
 [[nodiscard]] bool is_robot_ending(std::string_view ending);
 /// Whether files with this extension may be human motions, which only their content shows: pickles.
 [[nodiscard]] bool may_be_human_ending(std::string_view ending);
-/// Whether a file of arrays holds a human motion. @param max_bytes  larger files do not.
-[[nodiscard]] bool holds_human_motion(const std::string& path, std::size_t max_bytes);
+/// Whether a file of arrays holds a human motion, or cannot be read, so that its content is unknown.
+/// @param max_bytes  larger files are not read.
+[[nodiscard]] bool may_hold_human_motion(const std::string& path, std::size_t max_bytes);
 /// Extensions of these files for messages: `.bvh, .fbx or .npz`.
 [[nodiscard]] std::string human_endings_text();
 [[nodiscard]] std::string robot_endings_text();

@@ -79,7 +79,7 @@ class InputFinder {
   void add_input(const std::string& path, const std::string& relative,
                  const std::optional<FileFacts>& facts);
   [[nodiscard]] bool is_motion(const std::string& name) const;
-  [[nodiscard]] bool is_human_pickle(const std::string& path, const std::string& relative);
+  [[nodiscard]] bool may_be_human_pickle(const std::string& path, const std::string& relative);
   [[nodiscard]] bool is_excluded(const std::string& relative);
   [[nodiscard]] Result<std::string> below(const std::string& path, const std::string& base) const;
 
@@ -124,10 +124,11 @@ bool InputFinder::is_motion(const std::string& name) const {
          name != "summary.csv";
 }
 
-// Excluded files are not read.
-bool InputFinder::is_human_pickle(const std::string& path, const std::string& relative) {
+// Pickles that cannot be read become inputs that fail, so that missing clips are noticed. Excluded
+// files are not read.
+bool InputFinder::may_be_human_pickle(const std::string& path, const std::string& relative) {
   return !search_.of_robots && may_be_human_ending(ending_of(path)) &&
-         (is_excluded(relative) || holds_human_motion(path, memory_share(0.0)));
+         (is_excluded(relative) || may_hold_human_motion(path, memory_share(0.0)));
 }
 
 void InputFinder::add_entry(const fs::directory_entry& entry, const std::string& relative) {
@@ -140,7 +141,7 @@ void InputFinder::add_entry(const fs::directory_entry& entry, const std::string&
     return;
   }
   const bool is_special = status && status->kind != os::EntryKind::kRegular;
-  if (!is_motion(name) && (is_special || !is_human_pickle(path, below_root))) {
+  if (!is_motion(name) && (is_special || !may_be_human_pickle(path, below_root))) {
     if (name.starts_with('.')) return;
     ++others_;
     other_endings_.insert(ending_of(name));

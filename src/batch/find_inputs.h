@@ -106,8 +106,8 @@ struct FoundInputs {
 /// counts the other files. For robot motions: the extensions of robot
 /// formats, except .contacts.csv and summary.csv, which batches write, and SONIC folders.
 ///
-/// A folder that cannot be read becomes an input that fails later, so that its clips are not missed
-/// silently. Symbolic links are followed, except into a folder that contains the link. Pipes and
+/// A folder or a pickle that cannot be read becomes an input that fails later, so that its clips
+/// are not missed silently. Symbolic links are followed, except into a folder that contains the link. Pipes and
 /// devices in folders, and `._NAME` files of macOS archives, are skipped. A missing file of a list
 /// becomes an input that fails later; every other name must exist, and there must be at least one
 /// input (kInput). kUsage errors: a file outside of a given `base`, and a search folder that is the

@@ -102,6 +102,22 @@ TEST_F(FindInputsTest, FindsPicklesOfHumansByTheirContent) {
   EXPECT_THAT(relatives(find({at("in/robot.pkl")})), ElementsAre("robot.pkl"));
 }
 
+// The batch must notice that a clip is missing. The content of other pickles is known.
+TEST_F(FindInputsTest, KeepsPicklesThatCannotBeRead) {
+  const std::string human = pickle(numbers({"poses", "trans"}));
+  make("in/cut.pkl", human.substr(0, human.size() - 5));
+  make("in/cut.pkl.joblib", std::string("\x78\x9c\x4b", 3));
+  make("in/damaged.pkl", "\x80\x02\x07.");
+  make("in/empty.p", "");
+  make("in/object.pkl",
+       "\x80\x02"
+       "cchumpy.ch\nCh\n.");
+  make("in/old.pkl", "(dp0\n.");
+  const auto found = find({at("in")});
+  EXPECT_THAT(relatives(found), ElementsAre("cut.pkl", "cut.pkl.joblib", "damaged.pkl", "empty.p"));
+  EXPECT_THAT(found->notes, ElementsAre("skipped 2 files without a human motion: .pkl"));
+}
+
 TEST_F(FindInputsTest, DoesNotReadExcludedPickles) {
   make("in/a.pkl", "words");
   make("in/walk.bvh");
@@ -126,10 +142,11 @@ TEST_F(FindInputsTest, FollowsLinksOnceAndSkipsLoops) {
   fs::create_directory_symlink(".", at("in/a/self"));
   fs::create_directory_symlink(at("elsewhere"), at("in/linked"));
   fs::create_symlink("nowhere", at("in/broken.bvh"));
+  fs::create_symlink("nowhere", at("in/broken.pkl"));
   fs::create_symlink("round.bvh", at("in/round.bvh"));
   const auto found = find({at("in")});
   EXPECT_THAT(relatives(found),
-              ElementsAre("a/walk.bvh", "broken.bvh", "linked/run.bvh", "round.bvh"));
+              ElementsAre("a/walk.bvh", "broken.bvh", "broken.pkl", "linked/run.bvh", "round.bvh"));
   EXPECT_EQ(found->notes.size(), 2U);
 }
 

@@ -126,10 +126,18 @@ bool looks_like_pickle(std::string_view bytes) {
   return bytes.size() >= 2 && bytes[0] == '\x80' && bytes[1] >= 0 && bytes[1] <= 5;
 }
 
+namespace {
+
+bool is_compressed(std::string_view bytes) {
+  return is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
+}
+
+}  // namespace
+
 Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file) {
   PickleDocument document;
   const std::size_t file_bytes = bytes.size();
-  const bool compressed = is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
+  const bool compressed = is_compressed(bytes);
   if (compressed) {
     TRY_ASSIGN(document.unpacked_, unpack(bytes, file));
     // A short string is stored inside its object, so views of it would dangle after a move.
@@ -148,6 +156,21 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
   PickleReader reader(bytes, file, document, PickleReader::Dialect::kPlain, file_bytes);
   TRY(reader.read());
   return document;
+}
+
+bool is_damaged_pickle(std::string_view bytes) {
+  std::string unpacked;
+  const std::size_t file_bytes = bytes.size();
+  if (is_compressed(bytes)) {
+    auto found = unpack(bytes, {});
+    if (!found) return true;
+    unpacked = *std::move(found);
+    bytes = unpacked;
+  }
+  if (!bytes.starts_with('\x80')) return false;
+  PickleDocument document;
+  PickleReader reader(bytes, {}, document, PickleReader::Dialect::kPlain, file_bytes);
+  return !reader.read() && reader.is_damaged();
 }
 
 Result<PickleDocument> read_torch_pickle(std::string bytes, const std::string& file) {

@@ -105,6 +105,10 @@ class PickleDocument {
 /// @param file   name for messages.
 [[nodiscard]] Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file);
 
+/// Whether bytes are a pickle that read_pickle() cannot read because it is cut off or damaged, or
+/// because it is too large when unpacked. Then its content is unknown.
+[[nodiscard]] bool is_damaged_pickle(std::string_view bytes);
+
 /// Reads the pickle in a PyTorch archive (base/torch_file.h); see read_pickle. In addition, it may
 /// name the constructors of tensors, the storage types, `torch.Size`, `torch.device` and
 /// ProtoMotions' string enum. Persistent ids must refer to a storage. A tensor has only its layout,

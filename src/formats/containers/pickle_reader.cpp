@@ -42,10 +42,15 @@ Failure PickleReader::fault(const std::string& message, std::string hint) const 
                        std::move(hint));
 }
 
+Failure PickleReader::damage(const std::string& message) {
+  is_damaged_ = true;
+  return fault(message);
+}
+
 Result<std::string_view> PickleReader::take(std::uint64_t size) {
   if (size > bytes_.size() - at_) {
-    return fault("the pickle is cut off: " + std::to_string(size) + " bytes should follow, " +
-                 std::to_string(bytes_.size() - at_) + " remain");
+    return damage("the pickle is cut off: " + std::to_string(size) + " bytes should follow, " +
+                  std::to_string(bytes_.size() - at_) + " remain");
   }
   const std::string_view taken = bytes_.substr(at_, static_cast<std::size_t>(size));
   at_ += taken.size();
@@ -59,7 +64,7 @@ Result<std::uint64_t> PickleReader::take_size(int bytes) {
 
 Result<std::string_view> PickleReader::take_line() {
   const std::size_t end = bytes_.find('\n', at_);
-  if (end == std::string_view::npos) return fault("the pickle is cut off within a name");
+  if (end == std::string_view::npos) return damage("the pickle is cut off within a name");
   const std::string_view line = bytes_.substr(at_, end - at_);
   at_ = end + 1;
   return line;
@@ -67,14 +72,14 @@ Result<std::string_view> PickleReader::take_line() {
 
 Result<PickleReader::Node> PickleReader::pop() {
   const std::size_t floor = marks_.empty() ? 0 : marks_.back();
-  if (stack_.size() <= floor) return fault("the pickle uses a value that it never created");
+  if (stack_.size() <= floor) return damage("the pickle uses a value that it never created");
   const Node top = stack_.back();
   stack_.pop_back();
   return top;
 }
 
 Result<std::vector<PickleReader::Node>> PickleReader::pop_to_mark() {
-  if (marks_.empty()) return fault("the pickle ends a list that it never started");
+  if (marks_.empty()) return damage("the pickle ends a list that it never started");
   const auto begin = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
   std::vector<Node> items(begin, stack_.end());
   stack_.erase(begin, stack_.end());
@@ -194,7 +199,7 @@ Result<void> PickleReader::add_items(Kind kind, const std::vector<Node>& items) 
   stack_.push_back(target);
   PickleNode& container = node(target);
   if (container.kind != kind || (kind == Kind::kDict && items.size() % 2 != 0)) {
-    return fault("the pickle adds values to an object that cannot hold them");
+    return damage("the pickle adds values to an object that cannot hold them");
   }
   container.items.insert(container.items.end(), items.begin(), items.end());
   return {};
@@ -224,7 +229,7 @@ Result<bool> PickleReader::read_container(PickleOp op) {
     case PickleOp::kDict: {
       TRY_ASSIGN(auto items, pop_to_mark());
       if (op == PickleOp::kDict && items.size() % 2 != 0) {
-        return fault("the pickle has a dictionary key without its value");
+        return damage("the pickle has a dictionary key without its value");
       }
       PickleNode made;
       made.kind = op == PickleOp::kTuple  ? Kind::kTuple
@@ -270,14 +275,14 @@ Result<bool> PickleReader::read_memo(PickleOp op) {
   if (gets) {
     const auto found = memo_.find(number);
     if (found == memo_.end()) {
-      return fault("the pickle refers to its value " + std::to_string(number) +
-                   ", which it never stored");
+      return damage("the pickle refers to its value " + std::to_string(number) +
+                    ", which it never stored");
     }
     if (stack_.size() >= 2 * max_nodes_) return fault("the pickle repeats a value too often");
     stack_.push_back(found->second);
     return true;
   }
-  if (stack_.empty()) return fault("the pickle stores a value that it never created");
+  if (stack_.empty()) return damage("the pickle stores a value that it never created");
   if (memo_.size() >= max_nodes_) return fault("the pickle stores more values than it can have");
   memo_.insert_or_assign(number, stack_.back());
   return true;
@@ -343,9 +348,9 @@ Result<void> PickleReader::read() {
       if (known) break;
     }
     if (!known) {
-      return fault("the pickle has the opcode " +
-                       refused_opcode_name(static_cast<std::uint8_t>(op)) +
-                       ", which is not allowed",
+      const std::string name = refused_opcode_name(static_cast<std::uint8_t>(op));
+      is_damaged_ = name.starts_with("0x");
+      return fault("the pickle has the opcode " + name + ", which is not allowed",
                    "only plain values and NumPy arrays are read, and nothing is executed");
     }
   }

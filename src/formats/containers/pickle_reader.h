@@ -89,6 +89,8 @@ class PickleReader {
         max_nodes_(node_limit(file_bytes)) {}
 
   [[nodiscard]] Result<void> read();
+  /// Whether read() found the pickle damaged, rather than something in it that it refuses.
+  [[nodiscard]] bool is_damaged() const { return is_damaged_; }
 
  private:
   using Node = std::uint32_t;
@@ -166,6 +168,7 @@ class PickleReader {
     return found.kind == PickleNode::Kind::kObject && found.detail == static_cast<int>(part);
   }
   [[nodiscard]] Failure fault(const std::string& message, std::string hint = {}) const;
+  [[nodiscard]] Failure damage(const std::string& message);
 
   std::string_view bytes_;
   std::string file_;
@@ -179,6 +182,7 @@ class PickleReader {
   std::map<std::uint64_t, Node> memo_;
   std::size_t array_bytes_ = 0;    // Total of all arrays.
   std::size_t encoded_bytes_ = 0;  // Total of all encoded strings.
+  bool is_damaged_ = false;
 };
 
 }  // namespace retarget

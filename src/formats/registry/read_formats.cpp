@@ -225,10 +225,10 @@ Result<void> check_start_of_large_file(const std::string& path) {
                        "give a file with the motion of a human or a robot");
 }
 
-bool holds_human_motion(const std::string& path, std::size_t max_bytes) {
+bool may_hold_human_motion(const std::string& path, std::size_t max_bytes) {
   if (!check_start_of_large_file(path)) return false;
   const auto content = read_file(path, ErrorKind::kInput, max_bytes);
-  return content && holds_array_motion(content->view());
+  return !content || may_hold_array_motion(content->view());
 }
 
 Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,

@@ -268,11 +268,14 @@ Result<MotionFile> open_motion_file(std::string_view bytes, const std::string& f
   return motion_file_of(std::make_unique<NpzArrays>(std::move(file)));
 }
 
-bool holds_array_motion(std::string_view bytes) {
+bool may_hold_array_motion(std::string_view bytes) {
   ArrayReadOptions options;
   options.take = "1";  // Of several motions.
   const auto file = open_motion_file(bytes, {}, options);
-  return file && (has_motion(*file->arrays) || has_joint_positions(*file->arrays));
+  if (file) return has_motion(*file->arrays) || has_joint_positions(*file->arrays);
+  const FileKind kind = file_type(bytes).kind;
+  if (kind == FileKind::kPickle || kind == FileKind::kGzip) return is_damaged_pickle(bytes);
+  return bytes.empty() || kind == FileKind::kNpz;
 }
 
 }  // namespace retarget

@@ -63,8 +63,8 @@ using ArrayMotion = std::variant<SmplMotion, JointMotion>;
                                                     const std::string& file_name,
                                                     const ArrayReadOptions& options = {});
 
-/// Whether a file has arrays with names of a human motion, or several such motions. Their values are
-/// not checked.
-[[nodiscard]] bool holds_array_motion(std::string_view bytes);
+/// Whether a file has arrays with names of a human motion, or several such motions, or is cut off or
+/// damaged, so that its content is unknown. The values of the arrays are not checked.
+[[nodiscard]] bool may_hold_array_motion(std::string_view bytes);
 
 }  // namespace retarget
