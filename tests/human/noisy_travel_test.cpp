@@ -108,9 +108,9 @@ TEST(NoisyTravel, SwayUnderNoisyLegsIsFound) {
   EXPECT_LT(farthest_path(noisy, squat), 15.0);
 }
 
-std::vector<Vector3d> steady_drift(double speed) {
+std::vector<Vector3d> steady_drift(double speed, int frames = 300) {
   std::vector<Vector3d> drift;
-  for (int frame = 0; frame < 300; ++frame) {
+  for (int frame = 0; frame < frames; ++frame) {
     const double seconds = frame / 30.0;
     drift.emplace_back(speed * seconds, 0.02 * std::sin(8.0 * std::numbers::pi * seconds), seconds);
   }
@@ -130,6 +130,22 @@ TEST(NoisyTravel, ASlowDriftIsKeptOnlyIfTheLegsDoNotExplainIt) {
       EXPECT_EQ(drift[i].z(), whole[i].z());
     }
   }
+}
+
+// Errors of the legs accumulate for less time in a clip of less than a second.
+TEST(NoisyTravel, AShortDriftIsJudgedByItsOwnTime) {
+  for (const int frames : {8, 15, 30}) {
+    const std::vector<Vector3d> fast = steady_drift(0.6, frames);
+    std::vector<Vector3d> drift = fast;
+    keep_travel(drift, 0.1, 1.0 / 30.0);
+    EXPECT_EQ(drift, fast) << frames;
+    drift = steady_drift(0.1, frames);
+    keep_travel(drift, 0.1, 1.0 / 30.0);
+    EXPECT_LT(drift.back().x() - drift.front().x(), 0.5 * 0.1 * (frames - 1) / 30.0) << frames;
+  }
+  std::vector<Vector3d> single = {Vector3d::Ones()};
+  keep_travel(single, 0.1, 1.0 / 30.0);
+  EXPECT_EQ(single.front(), Vector3d::Ones());
 }
 
 }  // namespace

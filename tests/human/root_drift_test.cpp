@@ -229,6 +229,23 @@ TEST(RootDrift, DiscardsAVerticalDriftThatTiltsTheFloor) {
   EXPECT_LT(high, 0.05);
 }
 
+// The noise of the legs explains the slow part of this drift, which therefore remains.
+TEST(RootDrift, StatesTheSpeedThatIsLeft) {
+  DriftingBody body = body_of(240, sway, resting_foot);
+  const DriftRule rule{.jittery = true, .wander = 1.0};
+  const RootDrift found = find_root_drift(body.feet, body.hips, rule);
+  EXPECT_LT(found.speed_after, 0.02);
+  EXPECT_GT(found.speed_left, 0.05);
+  for (std::size_t i = 0; i < body.hips.size(); ++i) {
+    body.hips[i] -= found.drift[i];
+    for (const std::size_t foot : {2 * i, 2 * i + 1}) {
+      body.feet.feet[foot].ankle -= found.drift[i];
+      body.feet.feet[foot].toe -= found.drift[i];
+    }
+  }
+  EXPECT_NEAR(find_root_drift(body.feet, body.hips, rule).speed_before, found.speed_left, 1e-6);
+}
+
 TEST(RootDrift, FindsAVerySlowClimb) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.005 * seconds); };
   const DriftingBody body = body_of(600, climb, resting_foot);

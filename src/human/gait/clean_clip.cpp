@@ -219,10 +219,10 @@ class ClipCleaner {
       return fmt::format("standing feet {} by {} m over the clip", metres > 0.0 ? "rose" : "sank",
                          number_text(std::abs(metres), 2));
     };
-    const bool slid = found.speed_before > kSlides && found.speed_after < found.speed_before;
+    const bool slid = found.speed_before > kSlides && found.speed_left < found.speed_before;
     if (slid && (jittery_ || found.calms_feet())) {
       return fmt::format("standing feet slid at {} m/s; now {} m/s",
-                         number_text(found.speed_before, 2), number_text(found.speed_after, 2));
+                         number_text(found.speed_before, 2), number_text(found.speed_left, 2));
     }
     if (evidence.climbs_steadily) return climbed(evidence.climb);
     if (!jittery_ && !found.calms_feet()) return climbed(found.climb_before);

@@ -57,6 +57,7 @@ class DriftSolver {
     result.speed_after = speed_of_stances() * tracks_.scale;
     result.climb_after = climb_of_stances() * tracks_.scale;
     if (wander_ > 0.0) keep_travel(drift_, wander_, tracks_.frame_time);
+    result.speed_left = speed_of_stances() * tracks_.scale;
     without_drift([&] {
       result.speed_before = speed_of_stances() * tracks_.scale;
       result.climb_before = climb_of_stances() * tracks_.scale;

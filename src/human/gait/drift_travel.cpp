@@ -1,5 +1,6 @@
 #include "human/gait/drift_travel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -11,15 +12,13 @@ namespace {
 using Eigen::Vector3d;
 using Track = std::vector<Vector3d>;
 
-// RMS horizontal change within a second; 0 for shorter tracks.
-double change_in_a_second(const Track& drift, double frame_time) {
-  const auto reach = static_cast<std::size_t>(std::lround(1.0 / frame_time));
-  if (drift.size() <= reach) return 0.0;
+// RMS horizontal change over some frames.
+double change_over(std::size_t frames, const Track& drift) {
   double sum = 0.0;
-  for (std::size_t i = 0; i + reach < drift.size(); ++i) {
-    sum += (drift[i + reach] - drift[i]).head<2>().squaredNorm();
+  for (std::size_t i = 0; i + frames < drift.size(); ++i) {
+    sum += (drift[i + frames] - drift[i]).head<2>().squaredNorm();
   }
-  return std::sqrt(sum / static_cast<double>(drift.size() - reach));
+  return std::sqrt(sum / static_cast<double>(drift.size() - frames));
 }
 
 }  // namespace
@@ -28,7 +27,12 @@ void keep_travel(Track& drift, double wander, double frame_time) {
   // In walks and runs with exact roots, drifts change by up to 1.7 times the wandering of the legs.
   constexpr double kExplained = 1.8;
   constexpr double kSlow = 0.3;  // Hz
-  if (change_in_a_second(drift, frame_time) > kExplained * wander) return;
+  if (drift.size() < 2) return;
+  const auto second = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / frame_time)));
+  const std::size_t frames = std::min(second, drift.size() - 1);
+  // Errors of a random walk grow with the root of the time.
+  const double time = static_cast<double>(frames) / static_cast<double>(second);
+  if (change_over(frames, drift) > kExplained * wander * std::sqrt(time)) return;
   const Track slow = smoothed(drift, smoothing_strength(kSlow, frame_time));
   for (std::size_t i = 0; i < drift.size(); ++i) drift[i].head<2>() -= slow[i].head<2>();
 }

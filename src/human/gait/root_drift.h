@@ -53,6 +53,7 @@ struct RootDrift {
   double speed_before = 0.0;
   /// Value of speed_before after the drift is removed, also its slow part (DriftRule::wander).
   double speed_after = 0.0;
+  double speed_left = 0.0;    ///< Value of speed_before after `drift` is removed.
   double climb_before = 0.0;  ///< Climb of these foot ends over the clip, metres.
   double climb_after = 0.0;   ///< Value of climb_before after the drift is removed.
   double farthest = 0.0;      ///< Largest distance of the drift from its median, metres.
