@@ -133,6 +133,23 @@ TEST(StandingFloor, IsNotABoxAboveABriefStance) {
   EXPECT_EQ(standing_floor(clip), 0.0);
 }
 
+TEST(StandingFloor, IsNotMovedByASingleFrame) {
+  RobotClip clip = standing_clip(120);
+  raise(clip, 0, 0.5);
+  const double level = standing_floor(clip);
+  clip.qpos(60)[2] -= 0.3;
+  EXPECT_NEAR(standing_floor(clip), level, 1e-6);
+}
+
+// On each of two levels, the soles stand for less than half a second.
+TEST(StandingFloor, IsNearZeroIfNoLevelHasEnoughTime) {
+  RobotClip clip = standing_clip(14);
+  raise(clip, 0, -0.05);
+  raise(clip, 7, 0.1);
+  EXPECT_NEAR(standing_floor(clip), 0.0, 0.051);
+  EXPECT_NE(standing_floor(clip), 0.0);
+}
+
 TEST(MotionDynamics, ReportsNothingForShortClips) {
   EXPECT_TRUE(analyse_dynamics(standing_clip(2)).samples.empty());
   EXPECT_EQ(analyse_dynamics(standing_clip(3)).samples.size(), 8U);

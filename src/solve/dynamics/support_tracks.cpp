@@ -141,10 +141,29 @@ std::vector<StandingSole> standing_soles(const SupportTracks& tracks, const Body
   return soles;
 }
 
+std::size_t samples_in(double seconds, const SupportTracks& tracks) {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(seconds * tracks.rate())));
+}
+
 // Number of samples for which soles stand on a floor.
 std::size_t least_samples(const SupportTracks& tracks) {
-  constexpr double kMinSeconds = 0.5;
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(kMinSeconds * tracks.rate())));
+  return samples_in(0.5, tracks);
+}
+
+// The height below which some point of the body is for a tenth of a second in total: single frames
+// may be wrong.
+double depth_of_body(const SupportTracks& tracks) {
+  std::vector<double> lowest;
+  for (std::size_t i = 0; i < tracks.sample_count(); ++i) {
+    double low = std::numeric_limits<double>::infinity();
+    for (std::size_t p = 0; p < tracks.points().size(); ++p) {
+      low = std::min(low, tracks.at(i, p).z());
+    }
+    lowest.push_back(low);
+  }
+  const std::size_t rank = std::min(samples_in(0.1, tracks), lowest.size()) - 1;
+  std::ranges::nth_element(lowest, lowest.begin() + static_cast<std::ptrdiff_t>(rank));
+  return lowest[rank];
 }
 
 }  // namespace
@@ -165,20 +184,15 @@ double lowest_standing_height(const SupportTracks& tracks, const BodySizes& size
   for (const StandingSole& sole : standing_soles(tracks, sizes)) heights.push_back(sole.middle);
   std::ranges::sort(heights);
   const std::size_t least = least_samples(tracks);
-  double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < tracks.sample_count(); ++i) {
-    for (std::size_t p = 0; p < tracks.points().size(); ++p) {
-      lowest = std::min(lowest, tracks.at(i, p).z());
-    }
-  }
   for (std::size_t i = 0; i + least <= heights.size(); ++i) {
     if (heights[i + least - 1] - heights[i] > one_level) continue;
     const auto end = std::ranges::upper_bound(heights, heights[i] + one_level);
     const double height = median({heights.begin() + static_cast<std::ptrdiff_t>(i), end});
     // A body that also moves far below these soles stands on a box.
-    return lowest < height - sinks ? standing_height(tracks, sizes) : height;
+    if (depth_of_body(tracks) < height - sinks) break;
+    return height;
   }
-  return 0.0;
+  return standing_height(tracks, sizes);
 }
 
 }  // namespace retarget

@@ -90,7 +90,8 @@ class SupportTracks {
 [[nodiscard]] double standing_height(const SupportTracks& tracks, const BodySizes& sizes);
 
 /// Median height of the lowest level on which soles stand for half a second in total, at any
-/// distance from height 0, metres. standing_height() if the body also moves far below this level.
+/// distance from height 0, metres. standing_height() if there is no such level, or if the body also
+/// moves far below it for a tenth of a second.
 [[nodiscard]] double lowest_standing_height(const SupportTracks& tracks, const BodySizes& sizes);
 
 }  // namespace retarget
