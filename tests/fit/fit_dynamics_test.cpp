@@ -175,7 +175,8 @@ TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
   const FitResult without = fitted(walk, without_dynamics()), with = fitted(walk, {});
   EXPECT_GT(with.report.status.distrusted_frames, 20);
   EXPECT_LE(bad_share(with.clip), bad_share(without.clip) + 0.02);
-  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("unknown contacts")));
+  EXPECT_THAT(with.report.notes,
+              testing::Contains(testing::HasSubstr("of the frames remain unchanged")));
 }
 
 // The body rises and sinks as on a trampoline, so unknown supports carry it in most frames: the
@@ -188,7 +189,7 @@ TEST_F(FitDynamicsTest, IsRevertedIfMostSupportsAreUnknown) {
   const FitResult without = fitted(walk, without_dynamics()), with = fitted(walk, {});
   EXPECT_TRUE(with.report.windows.front().dynamics_taken_back);
   EXPECT_EQ(largest_difference(without.clip, with.clip), 0.0);
-  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("unknown contacts")));
+  EXPECT_GT(bad_share(without.clip), 0.55);
 }
 
 TEST_F(FitDynamicsTest, HandlesShortClips) {

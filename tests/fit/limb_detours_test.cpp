@@ -65,6 +65,8 @@ TEST(LimbDetours, NeverIncreasesTheCost) {
   const RobotCase robot = robot_case("fourier_n1");
   const auto plain = plainly_fitted(clip, robot);
   const auto recovered = fitted(clip, robot);
+  ASSERT_TRUE(plain.has_value());
+  ASSERT_TRUE(recovered.has_value());
   EXPECT_LE(recovered->report.status.cost_after, plain->report.status.cost_after * (1.0 + 1e-9));
 }
 
@@ -74,6 +76,7 @@ TEST(LimbDetours, IsIndependentOfTheFrameRate) {
     const Clip clip = swing_past_the_shoulder_line(14 * factor, {30 * factor, 1});
     const auto plain = plainly_fitted(clip, robot);
     const auto recovered = fitted(clip, robot);
+    ASSERT_TRUE(plain.has_value());
     ASSERT_TRUE(recovered.has_value());
     EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after) << factor;
   }
@@ -85,6 +88,8 @@ TEST(LimbDetours, DoNotAmplifyRounding) {
   const RobotCase robot = robot_case("unitree_g1");
   const auto once = fitted(swing_past_the_shoulder_line(), robot);
   const auto again = fitted(swing_past_the_shoulder_line(14, {30, 1}, 1e-10), robot);
+  ASSERT_TRUE(once.has_value());
+  ASSERT_TRUE(again.has_value());
   ASSERT_THAT(once->report.notes, Contains(HasSubstr("branch")));
   double most = 0.0;
   for (int t = 0; t < once->clip.frame_count(); ++t) {
@@ -103,6 +108,7 @@ TEST(LimbDetours, EndTheClipOnAnyBranch) {
   const RobotCase robot = robot_case("unitree_g1");
   const auto plain = plainly_fitted(clip, robot);
   const auto recovered = fitted(clip, robot);
+  ASSERT_TRUE(plain.has_value());
   ASSERT_TRUE(recovered.has_value());
   EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after);
 }
@@ -114,11 +120,16 @@ TEST(LimbDetours, MoveSymmetricArmsAlike) {
       {{-85, 90, 5}, {0, 90, 5}, {85, 90, 5}, {0, 90, 5}, {-85, 90, 5}}};
   const RobotCase robot = robot_case("unitree_g1");
   const auto recovered = fitted(arm_movement(kPoses), robot);
+  ASSERT_TRUE(recovered.has_value());
   ASSERT_THAT(recovered->report.notes, Contains(HasSubstr("left arm")));
   EXPECT_THAT(recovered->report.notes, Contains(HasSubstr("right arm")));
   const auto position = [&](const std::string& joint, int t) {
     const auto& joints = robot.robot->joints();
     const auto found = std::ranges::find(joints, joint + "_joint", &RobotJoint::name);
+    if (found == joints.end()) {
+      ADD_FAILURE() << joint;
+      return 0.0;
+    }
     return recovered->clip.qpos(t)[static_cast<std::size_t>(found->qpos_address)];
   };
   const auto difference = [&](const std::string& joint, double mirrored, int t) {
@@ -140,6 +151,8 @@ TEST(LimbDetours, LeavesArmsWithinReachUnchanged) {
   const RobotCase robot = robot_case("unitree_g1");
   const auto plain = plainly_fitted(clip, robot);
   const auto recovered = fitted(clip, robot);
+  ASSERT_TRUE(plain.has_value());
+  ASSERT_TRUE(recovered.has_value());
   EXPECT_THAT(recovered->report.notes, Not(Contains(HasSubstr("branch"))));
   for (int t = 0; t < clip.frame_count(); ++t) {
     EXPECT_TRUE(same(plain->clip, recovered->clip, t)) << t;
@@ -154,6 +167,8 @@ TEST(LimbDetours, IsIndependentOfTheThreadCount) {
   const auto one = fitted(clip, robot, options);
   options.threads = 3;
   const auto three = fitted(clip, robot, options);
+  ASSERT_TRUE(one.has_value());
+  ASSERT_TRUE(three.has_value());
   for (int t = 0; t < clip.frame_count(); ++t) EXPECT_TRUE(same(one->clip, three->clip, t)) << t;
 }
 
