@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/postures.h"
@@ -51,6 +54,25 @@ TEST(FreeFall, IsNotTheReboundOfARunner) {
               .value();
       const auto up = fall_of(part);
       EXPECT_TRUE(!up || *up == SignedAxis{}) << fps << " fps, frame " << begin;
+    }
+  }
+}
+
+// The hips move a little beyond the noise of a centred root.
+TEST(FloorEvidence, PlacesHipsAtAnyHeading) {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0, 60);
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const double leg = leg_length(body);
+  for (const double range : {0.15, 0.25}) {
+    for (const double heading : {0.0, 0.4, 0.8, 1.2}) {
+      std::vector<JointPoses> poses;
+      for (int frame = 0; frame < clip.frame_count(); ++frame) {
+        const double along = range * leg * (frame / 59.0 - 0.5);
+        clip.translations(frame)[0] = {along * std::cos(heading), 0.001 * leg * std::sin(frame),
+                                       along * std::sin(heading)};
+        poses.push_back(frame_pose(clip, frame));
+      }
+      EXPECT_EQ(floor_evidence(body, poses, SignedAxis{}).is_placed, range > 0.2) << heading;
     }
   }
 }

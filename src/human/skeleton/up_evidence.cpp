@@ -136,14 +136,12 @@ std::optional<bool> stands_flat(const Body& body, const JointPoses& pose, Side s
 
 // Whether the hips stay at the origin, apart from noise. Those of a lying body are above its floor.
 bool is_centred(const std::vector<Vector3d>& hips) {
-  constexpr double kAtOrigin = 0.03, kNoise = 0.1;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> places;
-    for (const Vector3d& place : hips) places.push_back(place[axis]);
-    if (std::abs(median(places)) > kAtOrigin) return false;
-    if (percentile(places, 90.0) - percentile(places, 10.0) > kNoise) return false;
-  }
-  return true;
+  constexpr double kAtOrigin = 0.03, kNoise = 0.075;
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& place : hips) middle += place / static_cast<double>(hips.size());
+  std::vector<double> distances;
+  for (const Vector3d& place : hips) distances.push_back((place - middle).norm());
+  return middle.norm() <= kAtOrigin && percentile(distances, 80.0) <= kNoise;
 }
 
 }  // namespace
