@@ -23,9 +23,9 @@ struct Inspection {
   OptionSpelling spelling = option_as_field;
 };
 
-/// Recognises the human in a clip as a run with these options does (find_human): noise of joint
-/// positions is removed first, according to HumanOptions::clean.
-[[nodiscard]] Result<HumanInClip> find_human_as_run(Clip clip, const Options& options,
+/// Recognises the human in a clip as a run with these options does (find_human): removes noise of
+/// joint positions from the clip first, according to HumanOptions::clean.
+[[nodiscard]] Result<HumanInClip> find_human_as_run(Clip& clip, const Options& options,
                                                     const std::string& data_folder);
 
 /// The joints, the rate, the extents and the human as JSON that is safe to print on a terminal.

@@ -192,7 +192,8 @@ nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::o
   const auto human = [&] {
     const nb::gil_scoped_release released;
     const auto folder = data_folder_of(chosen);
-    return folder ? find_human_as_run(*handle, how, *folder) : failure(folder.error());
+    Clip copy = *handle;
+    return folder ? find_human_as_run(copy, how, *folder) : failure(folder.error());
   }();
   // Recognition failures are acceptable; invalid user options are not.
   if (!human && human.error().kind != ErrorKind::kInput) raise(human.error());

@@ -3,6 +3,7 @@
 import json
 import unittest
 
+import noise
 from scene_outputs_test import SCENE
 from scene_test import share_near
 from tool import ToolTest, raised_clip, read_rows, sample, short_clip
@@ -232,6 +233,14 @@ class TerrainTest(ToolTest):
         nothing = self.run_tool("scene-from-motion", sample("walk"), "-o", "none.json")
         self.assertEqual(nothing.returncode, 3, nothing.stderr)
         self.assertFalse((self.folder / "none.json").exists())
+        # As in a run, noise of joint positions is removed first.
+        noisy = noise.npy(noise.keypoints(noise.Motion(self.folder / "step.bvh"), white=0.01))
+        self.write("noisy.npy", noisy)
+        result = self.run_tool("scene-from-motion", "noisy.npy", "--source-fps", "30", "-o",
+                               "noisy.json")
+        self.assert_done(result)
+        step, = json.loads((self.folder / "noisy.json").read_text())["bodies"]
+        self.assertAlmostEqual(step["shapes"][0]["size"][2], 0.2, delta=0.02)
         wrong = self.run_tool("scene-from-motion", "step.bvh", "-o", "boxes.txt")
         self.assertEqual(wrong.returncode, 2, wrong.stderr)
 

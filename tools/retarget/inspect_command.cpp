@@ -22,7 +22,7 @@
 namespace retarget::cli {
 namespace {
 
-Result<HumanInClip> understand(const Clip& clip, const InspectArguments& arguments) {
+Result<HumanInClip> understand(Clip clip, const InspectArguments& arguments) {
   RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(arguments.run.common));
   RETARGET_TRY_ASSIGN(auto human, find_human_as_run(clip, arguments.run.run.options, data_folder));
   RETARGET_TRY(save_bone_map(arguments.run.request.write_map, human.map, clip.skeleton()));

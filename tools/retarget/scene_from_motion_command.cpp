@@ -11,6 +11,7 @@
 #include "retarget/clip_range.h"
 #include "retarget/file.h"
 #include "retarget/file_endings.h"
+#include "retarget/inspect.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
@@ -49,7 +50,7 @@ Result<void> find_scene(const SceneFromMotionArguments& arguments, Console& cons
   RETARGET_TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source, data_folder));
   console.warn(clip.origin().warnings, clip.name());
   RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(arguments.run.common));
-  RETARGET_TRY_ASSIGN(const HumanInClip human, find_human(clip, run.options.human, folder));
+  RETARGET_TRY_ASSIGN(const HumanInClip human, find_human_as_run(clip, run.options, folder));
   console.warn(human.doubts(), clip.name());
   RETARGET_TRY_ASSIGN(const FrameRange part,
                       chosen_range(run.options.part, clip.rate(), clip.frame_count()));

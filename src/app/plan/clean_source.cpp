@@ -140,7 +140,7 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
   return notes;
 }
 
-Result<HumanInClip> find_human_as_run(Clip clip, const Options& options,
+Result<HumanInClip> find_human_as_run(Clip& clip, const Options& options,
                                       const std::string& data_folder) {
   (void)clean_source_frames(clip, options);
   return find_human(clip, options.human, data_folder);

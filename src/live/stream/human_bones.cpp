@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "retarget/human_poser.h"
+#include "retarget/inspect.h"
 #include "retarget/plan.h"
 #include "retarget/so3.h"
 #include "retarget/try.h"
@@ -51,9 +52,11 @@ Result<Clip> clip_with_units(Clip clip, const HumanOptions& options,
                              const std::string& data_folder) {
   ClipOrigin origin = clip.origin();
   if (origin.metres_per_unit && origin.up) return clip;
-  // find_human may replace rotations, but the clip is played unchanged.
+  // The search for the human may replace positions and rotations, but the clip is played unchanged.
   Clip looked_at = clip;
-  RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(looked_at, options, data_folder));
+  Options as_run;
+  as_run.human = options;
+  RETARGET_TRY_ASSIGN(const HumanInClip found, find_human_as_run(looked_at, as_run, data_folder));
   if (!origin.metres_per_unit) origin.metres_per_unit = found.calibration.metres_per_unit;
   if (!origin.up) {
     origin.up = found.calibration.human_from_source.transpose() * Eigen::Vector3d::UnitZ();
