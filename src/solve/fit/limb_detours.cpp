@@ -179,30 +179,30 @@ void ArmStraightener::trim(LimbBranch& path) {
 }
 
 void ArmStraightener::reroute(const FrameRange& interval) {
-  FrameRange changed = interval;
+  FrameRange changed;
   std::optional<WindowTrial> trial;
-  const auto begin_trial = [&] {
-    trial.emplace(model_, options_, clip_, keep_going_, changed.begin, changed.end);
-  };
-  const auto free_trunk = [&] { return !is_trunk_twisted(changed) || release_trunk(*trial); };
+  double before = 0.0;
   const auto arm_cost = [&] {
     double sum = 0.0;
     for (int t = changed.begin; t < changed.end; ++t) sum += cost(t);
     return sum;
   };
-  begin_trial();
-  double before = arm_cost();
+  // @return false if the trunk remains twisted.
+  const auto begin_trial = [&](const FrameRange& window) {
+    changed = window;
+    trial.emplace(model_, options_, clip_, keep_going_, window.begin, window.end);
+    before = arm_cost();
+    return !is_trunk_twisted(window) || release_trunk(*trial);
+  };
+  bool is_free = begin_trial(interval);
   std::optional<LimbBranch> path;
-  bool is_free = free_trunk();
   if (is_free) path = finder_.find(interval.begin, interval.end, {});
   if (is_free && !path) {
     path = find_far(interval);
     if (path) {
       result_.conclude(*trial, false);
-      changed = {std::min(interval.begin, path->begin), std::max(interval.end, path->end)};
-      begin_trial();
-      before = arm_cost();
-      is_free = free_trunk();
+      is_free =
+          begin_trial({std::min(interval.begin, path->begin), std::max(interval.end, path->end)});
     }
   }
   std::optional<RecoveredLimb> recovered;
