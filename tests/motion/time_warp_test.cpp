@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace retarget {
@@ -24,6 +25,15 @@ TEST(TimeWarp, AConstantPaceStretchesUniformly) {
   EXPECT_NEAR(warp.motion_time(1.3), 1.625, 1e-12);
   EXPECT_NEAR(warp.source_time(1.625), 1.3, 1e-12);
   EXPECT_EQ(warped_frame_count(scale, {30, 1}, 91), 113);
+}
+
+TEST(TimeWarp, OnlyAPaceThatIsTheSameEverywhereIsConstant) {
+  TimeScale scale;
+  EXPECT_EQ(constant_pace(std::nullopt), 1.0);
+  EXPECT_EQ(constant_pace(scale), 1.0);
+  scale.pace.assign(40, 1.25);
+  EXPECT_EQ(constant_pace(scale), 1.25);
+  EXPECT_EQ(constant_pace(slowed_in_the_middle()), 1.0);
 }
 
 TEST(TimeWarp, TimesAreInversesAndThePaceIsTheirDerivative) {
