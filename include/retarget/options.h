@@ -130,8 +130,11 @@ struct TrackingWeights {
   double foot_rotation = 16.0;
   double upper_arm_position = 5.0;
   double upper_arm_rotation = 48.0;
+  double straight_upper_arm_twist = 0.2;  ///< Share of the weight about the bone while the elbow is
+                                          ///< straight: there the twist does not move the forearm.
   double forearm_position = 10.0;
   double forearm_rotation = 8.0;
+  double straight_forearm_twist = 0.5;  ///< The same share of the forearm.
   double hand_position = 10.0;
   double hand_rotation = 8.0;
   double other_position = 10.0;  ///< All other bodies of the configuration.

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <random>
@@ -123,6 +124,49 @@ TEST(RotationTerm, WeightsTwistAndDirectionSeparately) {
   };
   EXPECT_NEAR(cost_of_turn(0.2 * task.twist_axis), square(6.0 * 0.2), 1e-9);
   EXPECT_NEAR(cost_of_turn(0.2 * Vector3d::UnitY()), square(14.0 * 0.2), 1e-9);
+}
+
+TEST(RotationTerm, TargetsScaleTheWeightOfTheTwistOnly) {
+  FitTask task;
+  task.rotation_weight = task.twist_weight = 48.0;
+  TaskTarget target;
+  const auto cost_of_turn = [&](const Vector3d& in_link) {
+    return rotation_term(task, {}, {exp_so3(in_link), Vector3d::Zero()}, target).cost;
+  };
+  for (const double share : {1.0, 0.5, 0.0}) {
+    target.twist_share = share;
+    EXPECT_NEAR(cost_of_turn(0.2 * task.twist_axis), square(share * 48.0 * 0.2), 1e-9) << share;
+    EXPECT_NEAR(cost_of_turn(0.2 * Vector3d::UnitY()), square(48.0 * 0.2), 1e-9) << share;
+  }
+}
+
+// A twist by a small angle moves the other bone of the arm by the sine of the elbow's bend.
+TEST_F(FitModelTest, TwistOfAnArmCountsByTheBendOfTheElbow) {
+  const auto share_of = [&](Bone bone, double bend) {
+    std::vector<Pose> world_from_target(kBoneCount);
+    for (const FitTask& task : model_.tasks) {
+      const double turn = task.bone == Bone::kLeftForeArm ? bend : 0.0;
+      world_from_target[static_cast<std::size_t>(task.target)].rotation.setFromTwoVectors(
+          task.link_from_body.conjugate() * task.twist_axis,
+          Vector3d(std::cos(turn), std::sin(turn), 0.0));
+    }
+    std::vector<TaskTarget> targets(1);
+    append_targets(model_, world_from_target, Vector3d::Zero(), targets);
+    EXPECT_EQ(targets.size(), 1 + model_.tasks.size());
+    for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+      if (model_.tasks[k].bone == bone) return targets[1 + k].twist_share;
+    }
+    ADD_FAILURE();
+    return 0.0;
+  };
+  EXPECT_NEAR(share_of(Bone::kLeftArm, 0.0), 0.2, 1e-9);
+  EXPECT_NEAR(share_of(Bone::kLeftForeArm, 0.0), 0.5, 1e-9);
+  EXPECT_NEAR(share_of(Bone::kLeftArm, std::numbers::pi / 6.0), std::sqrt(0.25 + 0.75 * 0.04),
+              1e-9);
+  EXPECT_NEAR(share_of(Bone::kLeftArm, 1.6), 1.0, 1e-3);
+  EXPECT_NEAR(share_of(Bone::kLeftForeArm, 2.5), 1.0, 1e-9);
+  EXPECT_NEAR(share_of(Bone::kRightArm, 1.6), 0.2, 1e-9);
+  EXPECT_EQ(share_of(Bone::kLeftUpLeg, 0.0), 1.0);
 }
 
 TEST(RotationTerm, GradientIsExactAndHessianPositiveForLargeErrors) {

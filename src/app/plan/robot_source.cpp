@@ -90,13 +90,14 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
                          &weights.hand_rotation, &weights.other_rotation}) {
     *weight *= 2.5;
   }
-  // A robot's legs can follow the twist of another robot's legs.
+  // A robot's limbs can follow the twist of another robot's limbs.
   constexpr double kLegs = 20.0;  // Per radian, if the options have their defaults.
   const TrackingWeights usual;
   weights.thigh_rotation *= kLegs / usual.thigh_rotation;
   weights.thigh_twist = weights.thigh_rotation;
   weights.shank_rotation *= kLegs / usual.shank_rotation;
   weights.shank_twist = weights.shank_rotation;
+  weights.straight_upper_arm_twist = weights.straight_forearm_twist = 1.0;
   for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
     *weight *= 1.5;
   }

@@ -114,11 +114,7 @@ bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets&
     feet_.add(bones);
     // The root travels at the scale of the feet. Otherwise standing feet would slip.
     path_.emplace_back((scales.foot - scales.root) * bones[config_.root_bone].translation);
-    for (const FitTask& task : model_.tasks) {
-      const Pose& pose = world_from_target[at(task.target)];
-      clip_.targets.push_back({pose.translation + path_.back(),
-                               pose.rotation.normalized() * task.link_from_body.conjugate()});
-    }
+    append_targets(model_, world_from_target, path_.back(), clip_.targets);
     for (const Pose& pose : world_from_target) {
       usable = usable && pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
                pose.translation.cwiseAbs().maxCoeff() < kTooLarge;

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "retarget/human.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
+#include "retarget/pose.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "retarget/shape_distance.h"
@@ -35,8 +37,10 @@ struct FitTask {
   /// Weight per radian of rotations about twist_axis, a unit vector in the link frame.
   double twist_weight = 0.0;
   Eigen::Vector3d twist_axis = Eigen::Vector3d::UnitX();
-  int foot = -1;     ///< Index into FitModel::feet if the body is a foot; else -1.
-  std::string body;  ///< Name of the body.
+  int across_elbow = -1;        ///< Task of the other bone of the same arm; -1 if there is none.
+  double straight_twist = 1.0;  ///< Share of twist_weight while this elbow is straight.
+  int foot = -1;                ///< Index into FitModel::feet if the body is a foot; else -1.
+  std::string body;             ///< Name of the body.
 
   [[nodiscard]] bool follows_rotation() const {
     return rotation_weight > 0.0 || twist_weight > 0.0;
@@ -47,6 +51,7 @@ struct FitTask {
 struct TaskTarget {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond world_from_link = Eigen::Quaterniond::Identity();
+  double twist_share = 1.0;  ///< Factor for FitTask::twist_weight.
 };
 
 /// A sphere, in the link frame, that must stay above the floor; metres.
@@ -129,6 +134,12 @@ struct FitModel {
 
   [[nodiscard]] int dof_count() const { return tree.dof_count(); }
 };
+
+/// Appends the targets of a frame, one per task.
+/// @param world_from_target  one per target of the configuration.
+/// @param offset             added to all positions, metres.
+void append_targets(const FitModel& model, std::span<const Pose> world_from_target,
+                    const Eigen::Vector3d& offset, std::vector<TaskTarget>& targets);
 
 /// The sides on which the source has a whole leg with a foot.
 struct SourceSides {

@@ -62,10 +62,11 @@ RotationTerm rotation_term(const FitTask& task, const FrameGoals& goals,
   const double weight = square(share * task.rotation_weight);
   const Vector3d error = rotation_error(world_from_link, target);
   RotationTerm term{weight * error.squaredNorm(), weight * error, weight * Matrix3d::Identity()};
-  if (task.twist_weight == task.rotation_weight) return term;
+  const double twist_weight = target.twist_share * task.twist_weight;
+  if (twist_weight == task.rotation_weight) return term;
   // The twist is the same along the target's axis a as along the link's. Its derivative is J^-T a
   // with the left Jacobian J of the error; the series is accurate to the sixth order.
-  const double more = square(share * task.twist_weight) - weight;
+  const double more = square(share * twist_weight) - weight;
   const Vector3d axis = target.world_from_link * task.twist_axis;
   const double twist = axis.dot(error);
   const Vector3d cross = error.cross(axis);

@@ -159,11 +159,8 @@ void LagFit::push(const HumanPose& world_from_bone, std::span<const Pose> world_
                   std::span<const double> qpos, const Eigen::Vector3d& path, double floor) {
   if (sent_ >= 2 * kept_frames_) forget_old_frames();
   if (clip_.frame_count == 0) floor_ = floor;
-  for (const FitTask& task : model_.tasks) {
-    const Pose& pose = world_from_target[at(task.target)];
-    const Eigen::Vector3d place = pose.translation + path - Eigen::Vector3d(0.0, 0.0, floor_);
-    clip_.targets.push_back({place, pose.rotation.normalized() * task.link_from_body.conjugate()});
-  }
+  append_targets(model_, world_from_target, path - Eigen::Vector3d(0.0, 0.0, floor_),
+                 clip_.targets);
   feet_.add(world_from_bone);
   ++clip_.frame_count;
   lower_targets(floor);
