@@ -15,6 +15,7 @@
 #include "retarget/kinematic_tree.h"
 #include "robot/model/variant.h"
 #include "support/hand_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -197,10 +198,9 @@ TEST(RobotHandsTest, FindsNoneOnRobotsWithoutThem) {
          std::filesystem::directory_iterator(std::filesystem::path(RETARGET_SOURCE_DIR) / folder)) {
       const std::string name = entry.path().filename().string();
       if (!entry.is_directory() || name == "unverified" || with_hands.contains(name)) continue;
-      const auto robot = load_robot_files((entry.path() / "model.xml").string(),
-                                          (entry.path() / "robot.json").string());
-      ASSERT_TRUE(robot) << name;
-      const RobotHands hands = find_hands(**robot);
+      const auto robot = value_of(load_robot_files((entry.path() / "model.xml").string(),
+                                                   (entry.path() / "robot.json").string()));
+      const RobotHands hands = find_hands(*robot);
       EXPECT_FALSE(hands[0] || hands[1]) << name;
       ++looked_at;
     }
@@ -209,9 +209,8 @@ TEST(RobotHandsTest, FindsNoneOnRobotsWithoutThem) {
 }
 
 TEST(RobotHandsTest, IgnoresHeldFingers) {
-  const auto robot = robot_variant(load_shipped_robot("unitree_g1_with_hands"), "29");
-  ASSERT_TRUE(robot);
-  const RobotHands hands = find_hands(**robot);
+  const auto robot = value_of(robot_variant(load_shipped_robot("unitree_g1_with_hands"), "29"));
+  const RobotHands hands = find_hands(*robot);
   EXPECT_FALSE(hands[0] || hands[1]);
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -105,20 +106,18 @@ TEST(Manifest, ReadsTruncatedFilesUpToTheLastWholeLine) {
   const std::string whole = manifest_line(entry_of("a.bvh")) + manifest_line(entry_of("b.bvh"));
   const std::size_t first = whole.find('\n') + 1;
   for (std::size_t size = 0; size <= whole.size(); ++size) {
-    const auto read = read_manifest(folder.write("m", whole.substr(0, size)));
-    ASSERT_TRUE(read);
+    const auto read = value_of(read_manifest(folder.write("m", whole.substr(0, size))));
     // A line that only lacks its line feed is complete.
     const std::size_t complete = size + 1 >= whole.size() ? 2 : size + 1 >= first ? 1 : 0;
-    EXPECT_EQ(read->entries.size(), complete) << size;
+    EXPECT_EQ(read.entries.size(), complete) << size;
     const bool torn = size != 0 && size != first && size + 1 != first && size + 1 < whole.size();
-    EXPECT_EQ(read->unreadable, torn ? 1 : 0) << size;
+    EXPECT_EQ(read.unreadable, torn ? 1 : 0) << size;
   }
 }
 
 TEST(Manifest, MissingFileIsEmpty) {
-  const auto read = read_manifest("no/such/manifest");
-  ASSERT_TRUE(read);
-  EXPECT_TRUE(read->entries.empty());
+  const auto read = value_of(read_manifest("no/such/manifest"));
+  EXPECT_TRUE(read.entries.empty());
 }
 
 TEST(Manifest, ConcurrentLinesAreWhole) {
@@ -126,23 +125,21 @@ TEST(Manifest, ConcurrentLinesAreWhole) {
   const std::string path = (folder.path() / "m").string();
   const std::vector<ManifestEntry> kept = {entry_of("kept.bvh")};
   {
-    auto writer = ManifestWriter::begin(path, kept);
-    ASSERT_TRUE(writer);
+    auto writer = value_of(ManifestWriter::begin(path, kept));
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t) {
       threads.emplace_back([&, t] {
         for (int i = 0; i < 25; ++i) {
-          EXPECT_TRUE((*writer)->append(entry_of(std::to_string(100 * t + i) + ".bvh")));
+          EXPECT_TRUE(writer->append(entry_of(std::to_string(100 * t + i) + ".bvh")));
         }
       });
     }
     for (std::thread& thread : threads) thread.join();
   }
-  const auto read = read_manifest(path);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->entries.size(), 101U);
-  EXPECT_EQ(read->unreadable, 0);
-  EXPECT_EQ(read->entries.front().relative, "kept.bvh");
+  const auto read = value_of(read_manifest(path));
+  EXPECT_EQ(read.entries.size(), 101U);
+  EXPECT_EQ(read.unreadable, 0);
+  EXPECT_EQ(read.entries.front().relative, "kept.bvh");
   EXPECT_EQ(text_of(path).back(), '\n');
 }
 
@@ -178,12 +175,11 @@ TEST(Manifest, IgnoresLinesThatNameOutsideFiles) {
   entries[6].outputs = {{"a/../../b.csv", 1, 1, ""}};
   std::string text;
   for (const ManifestEntry& entry : entries) text += manifest_line(entry);
-  const auto content = read_manifest(folder.write("manifest.jsonl", text));
-  ASSERT_TRUE(content);
-  EXPECT_EQ(content->entries.size(), 1U);
-  EXPECT_EQ(content->outside, 6);
-  EXPECT_EQ(content->outside_name, "../victim.txt");
-  EXPECT_EQ(content->unreadable, 0);
+  const auto content = value_of(read_manifest(folder.write("manifest.jsonl", text)));
+  EXPECT_EQ(content.entries.size(), 1U);
+  EXPECT_EQ(content.outside, 6);
+  EXPECT_EQ(content.outside_name, "../victim.txt");
+  EXPECT_EQ(content.unreadable, 0);
 }
 
 TEST(Manifest, ClockSkewDoesNotChangeTheLatestEntry) {

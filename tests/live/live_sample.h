@@ -11,6 +11,7 @@
 #include "human/skeleton/human_clip.h"
 #include "retarget/live.h"
 #include "retarget/retarget.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -34,14 +35,11 @@ inline const LoadedRobot& sample_robot_arms() {
 
 inline Plan sample_plan(const std::string& name, Method method,
                         const LoadedRobot& robot = sample_robot()) {
-  auto clip = load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh");
-  EXPECT_TRUE(clip) << describe(clip.error());
+  auto clip = value_of(load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh"));
   Options options;
   options.solve.method = method;
   options.time.fps = std::nullopt;
-  auto plan = make_plan(std::move(*clip), robot, options);
-  EXPECT_TRUE(plan) << describe(plan.error());
-  return std::move(*plan);
+  return value_of(make_plan(std::move(clip), robot, options));
 }
 
 /// The human in a plan's clip, frame by frame.

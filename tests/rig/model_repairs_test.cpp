@@ -10,6 +10,7 @@
 #include "retarget/rig.h"
 #include "support/built_humanoids.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -35,10 +36,9 @@ class ModelRepairs : public ::testing::Test {
     EXPECT_THAT(made->decisions, HasSubstr(note));
     RobotSources sources;
     sources.model = folder_.write(file, text);
-    const auto found = check_robot(sources);
-    ASSERT_TRUE(found) << describe(found.error());
+    const auto found = value_of(check_robot(sources));
     std::vector<std::string> notes;
-    for (const RobotFinding& finding : *found) {
+    for (const RobotFinding& finding : found) {
       EXPECT_FALSE(finding.fault) << finding.text;
       notes.push_back(finding.text);
     }
@@ -189,10 +189,9 @@ TEST_F(ModelRepairs, OmitLinksThatRepresentTheWorld) {
   }
   // MuJoCo knows the world by its name, and a dummy that is fixed needs no repair.
   for (const std::string type : {"floating", "fixed"}) {
-    const auto made =
-        make(urdf("<link name=\"world\"/>" + world_joint(type, "world", "pelvis")), "robot.urdf");
-    ASSERT_TRUE(made) << describe(made.error());
-    EXPECT_EQ(made->model, make(urdf(), "plain.urdf")->model) << type;
+    const auto made = value_of(
+        make(urdf("<link name=\"world\"/>" + world_joint(type, "world", "pelvis")), "robot.urdf"));
+    EXPECT_EQ(made.model, make(urdf(), "plain.urdf")->model) << type;
   }
   const auto fixed =
       make(urdf("<link name=\"dummy\"/>" + world_joint("fixed", "dummy", "pelvis")), "robot.urdf");

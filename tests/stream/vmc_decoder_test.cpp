@@ -15,6 +15,7 @@
 #include "retarget/load.h"
 #include "retarget/pose.h"
 #include "stream/stream_support.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -164,13 +165,12 @@ TEST(Osc, KeepsTheOrderOfTextsAndNumbers) {
                             std::string("\x40\x00\0\0\0\0\0\0", 8);
   // The messages point into the bundle.
   const std::string bundle = bundle_of({bytes, osc_text("/b")});
-  const auto messages = read_osc(bundle);
-  ASSERT_TRUE(messages);
-  ASSERT_EQ(messages->size(), 2U);
-  EXPECT_EQ((*messages)[0].address, "/a");
-  EXPECT_THAT((*messages)[0].texts, testing::ElementsAre("word"));
-  EXPECT_THAT((*messages)[0].numbers, testing::ElementsAre(-2.0, 0.5, 2.0));
-  EXPECT_EQ((*messages)[1].address, "/b");
+  const auto messages = value_of(read_osc(bundle));
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[0].address, "/a");
+  EXPECT_THAT(messages[0].texts, testing::ElementsAre("word"));
+  EXPECT_THAT(messages[0].numbers, testing::ElementsAre(-2.0, 0.5, 2.0));
+  EXPECT_EQ(messages[1].address, "/b");
 }
 
 }  // namespace

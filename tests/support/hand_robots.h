@@ -7,6 +7,7 @@
 #include "retarget/load_robot.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -145,10 +146,8 @@ inline std::string grippers() {
 /// Loads a robot of the repository by name.
 inline std::shared_ptr<const Robot> load_shipped_robot(const std::string& name) {
   const auto folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / name;
-  const auto robot =
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
-  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
-  return robot ? *robot : nullptr;
+  return value_of(
+      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
 }
 
 }  // namespace retarget

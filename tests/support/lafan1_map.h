@@ -27,4 +27,8 @@ inline Calibration lafan1_calibration(const Skeleton& skeleton) {
   return lafan1_calibration(map.joint_of_bone, map.joint_of_bone);
 }
 
+inline HumanClip lafan1_human(const Clip& clip) {
+  return to_human(clip, lafan1_calibration(clip.skeleton()));
+}
+
 }  // namespace retarget
