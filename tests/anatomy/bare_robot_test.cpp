@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "retarget/load_robot.h"
-#include "robot/model/variant.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
 #include "support/value_of.h"

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <string>
 
 #include "formats/containers/npz.h"
 #include "support/value_of.h"

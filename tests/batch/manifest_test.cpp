@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -59,19 +58,18 @@ TEST(ManifestLine, RoundTrips) {
   entry.quality = ClipQuality{{{"jumps", 2.0}, {"limit_pct", 0.5}}, {"jumps"}, "jumps", HUGE_VAL};
   const std::string line = manifest_line(entry);
   EXPECT_EQ(line.find('\n'), line.size() - 1);
-  const auto read = parse_manifest_line(line);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(manifest_line(*read), line);
-  EXPECT_EQ(read->input.modified_ns, entry.input.modified_ns);
-  EXPECT_EQ(read->input.bytes, entry.input.bytes);
-  EXPECT_EQ(read->outputs.at(1).hash, "01");
-  EXPECT_EQ(read->error->location.column, 4U);
-  EXPECT_EQ(read->error->hint, "that");
-  EXPECT_EQ(read->exit_code, 3);
-  EXPECT_EQ(read->config, "robots/r/ik.json");
-  EXPECT_EQ(read->quality->figures.at(1).second, 0.5);
-  EXPECT_EQ(read->quality->worst_ratio, HUGE_VAL);
-  EXPECT_FALSE(read->done);
+  const auto read = parse_manifest_line(line).value();
+  EXPECT_EQ(manifest_line(read), line);
+  EXPECT_EQ(read.input.modified_ns, entry.input.modified_ns);
+  EXPECT_EQ(read.input.bytes, entry.input.bytes);
+  EXPECT_EQ(read.outputs.at(1).hash, "01");
+  EXPECT_EQ(read.error->location.column, 4U);
+  EXPECT_EQ(read.error->hint, "that");
+  EXPECT_EQ(read.exit_code, 3);
+  EXPECT_EQ(read.config, "robots/r/ik.json");
+  EXPECT_EQ(read.quality->figures.at(1).second, 0.5);
+  EXPECT_EQ(read.quality->worst_ratio, HUGE_VAL);
+  EXPECT_FALSE(read.done);
 }
 
 TEST(ManifestLine, NonUtf8NamesRoundTrip) {
@@ -79,19 +77,19 @@ TEST(ManifestLine, NonUtf8NamesRoundTrip) {
   entry.outputs = {{"a\xff\xfe/b.csv", 1, 1, ""}};
   const std::string line = manifest_line(entry);
   EXPECT_THAT(line, Not(HasSubstr("\xff")));
-  const auto read = parse_manifest_line(line);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->relative, entry.relative);
-  EXPECT_EQ(read->outputs.at(0).file, "a\xff\xfe/b.csv");
+  const auto read = parse_manifest_line(line).value();
+  EXPECT_EQ(read.relative, entry.relative);
+  EXPECT_EQ(read.outputs.at(0).file, "a\xff\xfe/b.csv");
 }
 
 TEST(ManifestLine, SkipsUnknownMembersAndWrongTypes) {
-  const auto read = parse_manifest_line(
-      R"({"later": [1], "relative": "a.bvh", "status": "done", "frames": "many", "input": 3,
-          "outputs": {"x": 1}, "quality": [], "warnings": [1, "w"]})");
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->frames, 0);
-  EXPECT_THAT(read->warnings, ElementsAre("w"));
+  const auto read =
+      parse_manifest_line(
+          R"({"later": [1], "relative": "a.bvh", "status": "done", "frames": "many", "input": 3,
+          "outputs": {"x": 1}, "quality": [], "warnings": [1, "w"]})")
+          .value();
+  EXPECT_EQ(read.frames, 0);
+  EXPECT_THAT(read.warnings, ElementsAre("w"));
 }
 
 TEST(ManifestLine, RejectsLinesThatAreNotEntries) {

@@ -7,7 +7,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "base/option_name.h"
 #include "bvh_test_support.h"

@@ -4,11 +4,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "edit/plant_feet.h"
 #include "edit_sample.h"
-#include "retarget/clip_range.h"
 #include "retarget/edit.h"
 #include "support/shared_data.h"
 #include "support/value_of.h"

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "formats/bvh/read_bvh.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/bvh.h"
 #include "retarget/edit.h"
+#include "retarget/human.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
 #include "support/value_of.h"

@@ -9,8 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "retarget/statistics.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
@@ -47,11 +46,10 @@ double difference(const RobotClip& a, const RobotClip& b) {
 // Distance between the fits of a clip and of its copy.
 double apart(const std::shared_ptr<const Robot>& robot, const std::string& config_file,
              const Clip& clip) {
-  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/" + config_file, *robot);
+  const auto config = value_of(load_config(RETARGET_SOURCE_DIR "/configs/" + config_file, *robot));
   const Calibration calibration = lafan1_calibration(clip.skeleton());
-  EXPECT_TRUE(config.has_value());
   const auto run = [&](const Clip& source) {
-    auto result = value_of(fit(source, calibration, robot, *config, robot->model_limits()));
+    auto result = value_of(fit(source, calibration, robot, config, robot->model_limits()));
     return std::move(result.clip);
   };
   return difference(run(clip), run(with_other_bits(clip)));
@@ -65,9 +63,8 @@ TEST(FitLastBits, FloorContactsAreStableToRounding) {
 
 TEST(FitLastBits, FootContactsAreStableToRounding) {
   // Boxes with parallel faces: Talos' feet overlap where the source's do not.
-  const auto robot = value_of(load_robot_files(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
-                                               RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json"));
-  EXPECT_LT(apart(robot, "lafan1_to_pal_talos.json", cut(recorded_clip("squat"), 0, 20)),
+  EXPECT_LT(apart(load_robot_in(RETARGET_SOURCE_DIR "/robots/pal_talos"),
+                  "lafan1_to_pal_talos.json", cut(recorded_clip("squat"), 0, 20)),
             kSameMotion);
 }
 

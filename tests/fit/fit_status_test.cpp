@@ -5,13 +5,11 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/fit.h"
-#include "solve/fit/fit_status_report.h"
+#include "solve/fit/fit_report.h"
 #include "solve/targets/targets.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"

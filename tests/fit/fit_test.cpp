@@ -11,7 +11,6 @@
 #include <random>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "retarget/resample.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
@@ -245,15 +244,13 @@ TEST_F(FitTest, BoundsHoldForImpossibleSources) {
 
 TEST_F(FitTest, OverlappingFeetAreSeparated) {
   // The T1 is small but its feet are not: a source with feet side by side.
-  const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
-                                      RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
+  const auto robot = load_robot_in(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof");
   const auto config =
-      load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json", **robot);
-  ASSERT_TRUE(robot.has_value() && config.has_value());
+      value_of(load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json", *robot));
   const Clip clip = cut(recorded_clip("wave"), 0, 8);
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   const auto result =
-      value_of(fit(clip, calibration, *robot, *config, (*robot)->model_limits(), FitOptions{}));
+      value_of(fit(clip, calibration, robot, config, robot->model_limits(), FitOptions{}));
   const auto overlap =
       std::ranges::find(result.report.terms, "self-collision", &FitTermReport::name);
   ASSERT_NE(overlap, result.report.terms.end());

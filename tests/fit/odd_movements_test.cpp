@@ -10,8 +10,6 @@
 #include <numbers>
 #include <string>
 
-#include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"

@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"

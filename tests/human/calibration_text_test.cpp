@@ -1,10 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
 #include <utility>
 
-#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/skeleton/calibrate.h"
 #include "support/recorded_clip.h"

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>

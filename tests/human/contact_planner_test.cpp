@@ -6,8 +6,7 @@
 
 #include <string>
 
-#include "formats/bvh/read_bvh.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "support/counted_allocations.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"

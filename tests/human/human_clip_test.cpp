@@ -1,4 +1,4 @@
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 
 #include <gtest/gtest.h>
 

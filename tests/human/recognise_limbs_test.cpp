@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <string>
-#include <vector>
 
 #include "human/expect_bones.h"
-#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "support/value_of.h"
 

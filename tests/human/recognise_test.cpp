@@ -8,8 +8,8 @@
 
 #include "formats/bvh/read_bvh.h"
 #include "human/expect_bones.h"
-#include "human/skeleton/human_clip.h"
 #include "human/tiny_skeleton.h"
+#include "retarget/human.h"
 #include "support/lafan1_map.h"
 #include "support/value_of.h"
 

@@ -4,14 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "formats/bvh/read_bvh.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/scene_from_motion.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"

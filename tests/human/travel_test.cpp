@@ -6,13 +6,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <utility>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "support/accelerated.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"

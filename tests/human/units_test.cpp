@@ -6,7 +6,6 @@
 
 #include <utility>
 
-#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
@@ -66,10 +65,9 @@ TEST(UnitOfBody, UsesSkeletonUnitForSmallChildren) {
 
 TEST(UnitOfBody, IsDeterminedByAGivenHeight) {
   // A character at double scale.
-  const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8});
-  ASSERT_TRUE(doubled);
-  EXPECT_EQ(doubled->name, "scaled");
-  EXPECT_DOUBLE_EQ(doubled->metres, 0.005);
+  const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8}).value();
+  EXPECT_EQ(doubled.name, "scaled");
+  EXPECT_DOUBLE_EQ(doubled.metres, 0.005);
   // A given height overrides the usual range, even that of a giant.
   EXPECT_EQ(unit_of_body({191.9, 360.0, {}, 3.5})->name, "cm");
   // A unit that nearly gives the height is correct: heights are estimates.

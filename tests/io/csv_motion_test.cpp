@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "retarget/motion_io.h"
-#include "robot/model/variant.h"
 #include "support/test_robots.h"
 #include "support/value_of.h"
 
@@ -276,17 +275,15 @@ TEST_F(CsvMotion, AngleUnitAppliesToRootAndJoints) {
   const std::string degrees = header + "0,0,0,1,0,0,90,0,0,90,0,0\n";
   const std::string radians =
       header + "0,0,0,1,0,0,1.5707963267948966,0,0,1.5707963267948966,0,0\n";
-  const auto a = parse_robot_motion(degrees, robot_, "m", {});
-  const auto b = parse_robot_motion(radians, robot_, "m", with([](auto& o) {
-                                      o.degrees = false;
-                                      o.metres_per_unit = 0.01;
-                                    }));
-  ASSERT_TRUE(a) << describe(a.error());
-  ASSERT_TRUE(b) << describe(b.error());
-  for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a->clip.qpos(0)[i], b->clip.qpos(0)[i], 1e-15);
-  EXPECT_NEAR(a->clip.qpos(0)[6], std::sqrt(0.5), 1e-15);
-  EXPECT_NEAR(a->clip.qpos(0)[2], 0.01, 1e-15);
-  EXPECT_THAT(b->warnings, Contains(HasSubstr("angles in degrees; using the requested radians")));
+  const auto a = value_of(parse_robot_motion(degrees, robot_, "m", {}));
+  const auto b = value_of(parse_robot_motion(radians, robot_, "m", with([](auto& o) {
+                                               o.degrees = false;
+                                               o.metres_per_unit = 0.01;
+                                             })));
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a.clip.qpos(0)[i], b.clip.qpos(0)[i], 1e-15);
+  EXPECT_NEAR(a.clip.qpos(0)[6], std::sqrt(0.5), 1e-15);
+  EXPECT_NEAR(a.clip.qpos(0)[2], 0.01, 1e-15);
+  EXPECT_THAT(b.warnings, Contains(HasSubstr("angles in degrees; using the requested radians")));
 }
 
 TEST_F(CsvMotion, ErrorsHaveLineAndColumn) {

@@ -9,7 +9,6 @@
 #include "retarget/compare.h"
 #include "retarget/resample.h"
 #include "retarget/so3.h"
-#include "robot/model/variant.h"
 #include "support/test_robots.h"
 #include "support/value_of.h"
 

@@ -2,13 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/live.h"
 #include "retarget/retarget.h"
 #include "support/value_of.h"
@@ -45,6 +43,16 @@ inline Plan sample_plan(const std::string& name, Method method,
 /// The human in a plan's clip, frame by frame.
 inline HumanClip human_of(const Plan& plan) {
   return to_human(*plan.clip, plan.human.calibration);
+}
+
+inline const Plan& walk_plan() {
+  static const Plan plan = sample_plan("walk", Method::kFit);
+  return plan;
+}
+
+inline const HumanClip& walking_human() {
+  static const HumanClip human = human_of(walk_plan());
+  return human;
 }
 
 /// The output of a session for a clip that arrives frame by frame, without delay.

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/bvh/read_bvh.h"
 #include "solve/targets/solve_frames.h"
 #include "support/counted_allocations.h"
 #include "support/lafan1_map.h"

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <new>
-#include <random>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "formats/bvh/read_bvh.h"
-#include "formats/smpl/read_smpl.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
 #include "retarget/resample.h"

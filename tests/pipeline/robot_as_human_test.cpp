@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/load_robot.h"
 #include "retarget/robots.h"

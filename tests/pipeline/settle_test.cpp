@@ -31,13 +31,12 @@ Clip first_frame(const std::filesystem::path& bvh, int frames) {
 RobotClip solved(const Clip& clip, const std::string& name,
                  const std::shared_ptr<const Robot>& robot, bool settle) {
   const auto config =
-      load_config((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot);
+      value_of(load_config((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot));
   const Calibration calibration = lafan1_calibration(clip.skeleton());
-  EXPECT_TRUE(config.has_value());
   SolveFramesOptions options;
   options.settle = settle;
   const auto result =
-      value_of(solve_frames(clip, calibration, robot, *config, robot->model_limits(), options));
+      value_of(solve_frames(clip, calibration, robot, config, robot->model_limits(), options));
   return result.clip;
 }
 
@@ -94,9 +93,7 @@ TEST(SettledFirstFrame, FirstFrameHasConverged) {
 TEST(SettledFirstFrame, DoesNotJamALimbAtItsLimits) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
-  const auto folder = kRoot / "robots" / "stanford_toddy";
-  const auto robot =
-      value_of(load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
+  const auto robot = load_robot_in(kRoot / "robots" / "stanford_toddy");
   const Clip source = first_frame(*shared / "data" / "lafan1" / "dance1_subject2.bvh", 1);
   const RobotClip clip = solved(source, "stanford_toddy", robot, true);
   // From all joints at 0, two joints of the right shoulder end at their limits and stay there.

@@ -9,6 +9,7 @@
 #include "retarget/motion_io.h"
 #include "solve/robot_setup/check_robot.h"
 #include "support/humanoids.h"
+#include "support/test_robots.h"
 #include "support/value_of.h"
 
 namespace retarget {
@@ -62,27 +63,24 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
   const auto made = value_of(make_robot(model, "mine"));
   const auto written = value_of(save_robot(made, folder.path(), false));
 
-  const auto original = load_robot_files(model);
-  const auto robot =
-      load_robot_files((written / "model.xml").string(), (written / "robot.json").string());
-  ASSERT_TRUE(original);
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto original = value_of(load_robot_files(model));
+  const auto robot = load_robot_in(written);
   // A frame body holds the joint with the anchor.
-  std::vector<std::string> names = (*robot)->body_names();
-  EXPECT_THAT((*robot)->profile().joint_frames, ::testing::ElementsAre("left_knee_frame"));
+  std::vector<std::string> names = robot->body_names();
+  EXPECT_THAT(robot->profile().joint_frames, ::testing::ElementsAre("left_knee_frame"));
   std::erase(names, "left_knee_frame");
-  ASSERT_EQ(names, (*original)->body_names());
-  ASSERT_EQ((*robot)->joint_names(), (*original)->joint_names());
-  EXPECT_EQ((*robot)->model_limits().lower, (*original)->model_limits().lower);
-  EXPECT_EQ((*robot)->model_limits().upper, (*original)->model_limits().upper);
-  std::vector<double> qpos = (*original)->zero_configuration();
-  EXPECT_EQ((*robot)->zero_configuration(), qpos);
+  ASSERT_EQ(names, original->body_names());
+  ASSERT_EQ(robot->joint_names(), original->joint_names());
+  EXPECT_EQ(robot->model_limits().lower, original->model_limits().lower);
+  EXPECT_EQ(robot->model_limits().upper, original->model_limits().upper);
+  std::vector<double> qpos = original->zero_configuration();
+  EXPECT_EQ(robot->zero_configuration(), qpos);
   for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.1 * static_cast<double>(i % 5) - 0.2;
-  expect_same_poses(**original, **robot, qpos);
+  expect_same_poses(*original, *robot, qpos);
 
   const auto config = value_of(load_retargeting_config((written / "ik.json").string()));
-  EXPECT_TRUE(resolve_config(config, **robot));
-  for (const RobotFinding& finding : check_robot(**robot, &config)) {
+  EXPECT_TRUE(resolve_config(config, *robot));
+  for (const RobotFinding& finding : check_robot(*robot, &config)) {
     EXPECT_FALSE(finding.fault) << finding.text;
   }
   EXPECT_TRUE(fs::is_regular_file(written / "decisions.md"));
@@ -104,8 +102,7 @@ TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
   const auto made = value_of(make_robot(model, "mine"));
   const auto written = value_of(save_robot(made, folder.path(), false));
   const auto original = load_robot_files(model).value();
-  const auto robot =
-      load_robot_files((written / "model.xml").string(), (written / "robot.json").string()).value();
+  const auto robot = load_robot_in(written);
   EXPECT_EQ(robot->joint_names(), original->joint_names());
   EXPECT_THAT(robot->warnings(), ::testing::IsEmpty());
   EXPECT_EQ(robot->model_limits().lower, original->model_limits().lower);
@@ -131,8 +128,7 @@ TEST(MakeRobot, FindsSolesOfABoxFoot) {
   const TemporaryFolder folder;
   const auto made = value_of(make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine"));
   const auto written = value_of(save_robot(made, folder.path(), false));
-  const auto robot = value_of(
-      load_robot_files((written / "model.xml").string(), (written / "robot.json").string()));
+  const auto robot = load_robot_in(written);
   const std::vector<Sole>& soles = robot->profile().soles;
   ASSERT_EQ(soles.size(), 2U);
   // The lower corners of the box: heel left, heel right, toe left, toe right.
@@ -290,11 +286,9 @@ TEST(MakeRobot, VisualsOfAUrdfMayHaveSeveralMaterials) {
   const std::string several =
       one + "<!-- <material> --><material name=\"\">\n<color rgba=\"1 0 0 1\"/>\n</material>" + one;
   const TemporaryFolder folder;
-  const auto expected = make_robot(folder.write("one.urdf", with(one)), "tiny");
-  const auto made = make_robot(folder.write("several.urdf", with(several)), "tiny");
-  ASSERT_TRUE(expected) << describe(expected.error());
-  ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_EQ(made->model, expected->model);
+  const auto expected = value_of(make_robot(folder.write("one.urdf", with(one)), "tiny"));
+  const auto made = value_of(make_robot(folder.write("several.urdf", with(several)), "tiny"));
+  EXPECT_EQ(made.model, expected.model);
   // Errors have the line of the file.
   const auto broken =
       make_robot(folder.write("broken.urdf", with(several, "<inertial/><inertial/>")), "tiny");
@@ -307,8 +301,7 @@ TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   const auto made = value_of(make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny"));
   EXPECT_THAT(made.notes, Contains(HasSubstr("\"base\" was given one")));
   const auto written = value_of(save_robot(made, folder.path(), false));
-  const auto robot = value_of(
-      load_robot_files((written / "model.xml").string(), (written / "robot.json").string()));
+  const auto robot = load_robot_in(written);
   EXPECT_EQ(robot->joints().size(), 14U);
   for (std::size_t j = 0; j < robot->joints().size(); ++j) {
     EXPECT_EQ(robot->speed_limit(static_cast<int>(j)), 7.5);

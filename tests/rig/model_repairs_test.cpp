@@ -26,14 +26,12 @@ class ModelRepairs : public ::testing::Test {
   // The model becomes the same robot as another one.
   void expect_same(const std::string& text, const std::string& plain, const std::string& note,
                    const std::string& file = "robot.xml") {
-    const auto expected = make(plain, "plain_" + file);
-    const auto made = make(text, file);
-    ASSERT_TRUE(expected) << describe(expected.error());
-    ASSERT_TRUE(made) << describe(made.error());
-    EXPECT_EQ(made->model, expected->model);
-    EXPECT_EQ(made->config, expected->config);
-    EXPECT_THAT(made->notes, Contains(HasSubstr(note)));
-    EXPECT_THAT(made->decisions, HasSubstr(note));
+    const auto expected = value_of(make(plain, "plain_" + file));
+    const auto made = value_of(make(text, file));
+    EXPECT_EQ(made.model, expected.model);
+    EXPECT_EQ(made.config, expected.config);
+    EXPECT_THAT(made.notes, Contains(HasSubstr(note)));
+    EXPECT_THAT(made.decisions, HasSubstr(note));
     RobotSources sources;
     sources.model = folder_.write(file, text);
     const auto found = value_of(check_robot(sources));

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -98,8 +97,7 @@ LimbAngles angles_of(const LayoutHumanoid& layout) {
   const TemporaryFolder folder;
   const auto made = value_of(make_robot(folder.write("any.xml", layout.built.mjcf()), layout.name));
   const auto written = save_robot(made, folder.path(), false).value();
-  const auto robot =
-      load_robot_files((written / "model.xml").string(), (written / "robot.json").string()).value();
+  const auto robot = load_robot_in(written);
   const auto config = load_retargeting_config((written / "ik.json").string()).value();
   LimbAngles angles;
   for (const std::string name : {"walk", "wave", "squat", "turn_in_place", "get_up"}) {

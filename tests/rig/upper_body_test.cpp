@@ -5,12 +5,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
 #include <string>
 
-#include "human/skeleton/human_clip.h"
 #include "limb_errors.h"
+#include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"

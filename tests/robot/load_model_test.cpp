@@ -1,12 +1,9 @@
 // Loading MJCF: models that compile without their files, and the messages of rejected ones.
 
-#include "robot/model/load_model.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>

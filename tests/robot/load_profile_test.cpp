@@ -5,8 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "retarget/load_robot.h"
 #include "support/test_robots.h"
 #include "support/value_of.h"

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "retarget/error.h"
 #include "retarget/model_pack.h"

@@ -1,7 +1,5 @@
 // Variants: joints held and omitted from the columns.
 
-#include "robot/model/variant.h"
-
 #include <gmock/gmock.h>
 #include <mujoco/mujoco.h>
 
@@ -85,9 +83,8 @@ TEST(RobotVariantTest, HeldJointsAreNotAtALimit) {
   const auto variant = robot_variant(two_arms(), "one_arm").value();
   RobotClip clip(variant, {30, 1}, 2);
   clip.qpos(1)[8] = 2.4;
-  const auto nearest = nearest_limit(clip, variant->model_limits());
-  ASSERT_TRUE(nearest);
-  EXPECT_EQ(nearest->joint, "left_elbow");
+  const auto nearest = nearest_limit(clip, variant->model_limits()).value();
+  EXPECT_EQ(nearest.joint, "left_elbow");
 }
 
 TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {

@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "formats/bvh/read_bvh.h"
 #include "formats/scene/read_scene.h"

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 

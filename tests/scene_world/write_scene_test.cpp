@@ -5,7 +5,6 @@
 #include <mujoco/mujoco.h>
 
 #include <array>
-#include <fstream>
 #include <memory>
 #include <sstream>
 

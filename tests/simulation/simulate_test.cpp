@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "robot/shipped_robots.h"
 #include "simulation/standing_clip.h"

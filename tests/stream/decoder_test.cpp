@@ -6,11 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "retarget/clip.h"
-#include "retarget/load.h"
 #include "stream/stream_support.h"
 #include "support/value_of.h"
 

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "live/stream/human_bones.h"
@@ -99,8 +98,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
 // Robot configurations by human time, in whole frames, for a clip played in a format; `lines` plays
 // it unchanged.
 std::map<long, std::vector<double>> followed(const Clip& given, const char* format) {
-  static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  const LoadedRobot& robot = streamed_g1();
   const StreamFormat& row = **find_stream_format(format);
   const Clip clip = row.plays_human != nullptr && row.plays_human(given) ? bones_of(given) : given;
   LivePipelineOptions options;

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
-#include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "human/twins.h"
@@ -14,7 +11,6 @@
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_record.h"
 #include "retarget/human_skeleton.h"
-#include "retarget/load.h"
 #include "stream/stream_support.h"
 #include "support/lafan1_map.h"
 #include "support/temporary_folder.h"

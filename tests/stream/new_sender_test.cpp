@@ -14,7 +14,6 @@
 #include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stream_formats.h"
-#include "retarget/load.h"
 #include "retarget/resample.h"
 #include "stream/stream_support.h"
 #include "support/with_joints.h"

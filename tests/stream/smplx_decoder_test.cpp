@@ -7,10 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "formats/smpl/smpl_body.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
 #include "support/load_smpl.h"

@@ -65,6 +65,12 @@ inline std::string refusal_of(Decoder& decoder, std::string_view bytes) {
   return taken ? std::string() : taken.error().message;
 }
 
+/// A text of an OSC packet.
+inline std::string osc_text(std::string text) {
+  text.append(4 - text.size() % 4, '\0');
+  return text;
+}
+
 inline const LoadedRobot& streamed_g1() {
   static const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();

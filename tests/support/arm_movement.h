@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
@@ -111,8 +110,7 @@ struct RobotCase {
 
 inline RobotCase robot_case(const std::string& name) {
   const auto folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / name;
-  const auto robot =
-      value_of(load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
+  const auto robot = load_robot_in(folder);
   const auto config = value_of(load_config((folder / "ik.json").string(), *robot));
   return {robot, config};
 }

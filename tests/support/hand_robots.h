@@ -143,11 +143,4 @@ inline std::string grippers() {
   return text.insert(text.find("</mujoco>"), "<equality>" + ties + "</equality>");
 }
 
-/// Loads a robot of the repository by name.
-inline std::shared_ptr<const Robot> load_shipped_robot(const std::string& name) {
-  const auto folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / name;
-  return value_of(
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
-}
-
 }  // namespace retarget

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "human/skeleton/human_clip.h"
+#include "human/skeleton/calibrate.h"
 #include "retarget/clip.h"
 #include "retarget/human_skeleton.h"
 

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "retarget/bvh.h"
 #include "retarget/clip.h"
 
 namespace retarget {

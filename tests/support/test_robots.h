@@ -19,12 +19,15 @@ inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
   return value_of(load_robot_files(folder.write("robot.xml", mjcf)));
 }
 
-/// Loads the repository's Unitree G1 with its profile.
-inline std::shared_ptr<const Robot> load_g1() {
-  const std::filesystem::path folder =
-      std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / "unitree_g1";
+/// Loads a robot's folder.
+inline std::shared_ptr<const Robot> load_robot_in(const std::filesystem::path& folder) {
   return value_of(
       load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
+}
+
+/// Loads the repository's Unitree G1 with its profile.
+inline std::shared_ptr<const Robot> load_g1() {
+  return load_robot_in(RETARGET_SOURCE_DIR "/robots/unitree_g1");
 }
 
 /// Loads the G1's published retargeting configuration for LAFAN1.
