@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "formats/bvh/read_bvh.h"
 #include "retarget/clip.h"
 
 namespace retarget {
