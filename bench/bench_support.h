@@ -9,7 +9,7 @@
 #include <string>
 
 #include "formats/bvh/read_bvh.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/load_robot.h"
 #include "retarget/retargeting_config.h"
 #include "solve/targets/targets.h"

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 
 #include "handles.h"
 #include "retarget/data_folder.h"

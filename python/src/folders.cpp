@@ -5,9 +5,7 @@
 
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <utility>
-#include <vector>
 
 #include "bindings.h"
 #include "handles.h"

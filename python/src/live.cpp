@@ -5,7 +5,6 @@
 #include <nanobind/stl/string.h>
 
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -4,9 +4,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
-#include <cmath>
-#include <filesystem>
-
 #include "arrays.h"
 #include "bindings.h"
 #include "handles.h"

@@ -1,6 +1,5 @@
 #include "notes_observer.h"
 
-#include <csignal>
 #include <utility>
 
 #include "raise.h"

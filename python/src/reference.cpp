@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "arrays.h"
-#include "bindings.h"
-#include "keywords.h"
 #include "raise.h"
 #include "retarget/reference.h"
 #include "watcher.h"

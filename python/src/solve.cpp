@@ -6,7 +6,6 @@
 
 #include <chrono>
 #include <mutex>
-#include <optional>
 #include <span>
 
 #include "bindings.h"

@@ -12,9 +12,7 @@
 #include <cerrno>
 #include <climits>
 #include <cstdint>
-#include <cstdlib>
 #include <cwchar>
-#include <limits>
 
 #include "retarget/os.h"
 

@@ -9,7 +9,6 @@
 
 #include "batch/batch_runner.h"
 #include "batch/find_inputs.h"
-#include "batch/manifest.h"
 #include "batch/motion_signature.h"
 #include "batch/resume.h"
 #include "retarget/batch.h"

@@ -47,6 +47,19 @@ Failure among_the_batch(const std::string& output) {
       "give another folder, such as " + (fs::path(output) / "gallery").generic_string());
 }
 
+// Finds the source of an entry: relative to the working directory, otherwise to the batch's
+// folder.
+RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry) {
+  RecordedFile source;
+  for (const std::string& place : places_of(batch, entry.input.file)) {
+    source.is_there = source.is_there || is_file(place);
+    if (source.path.empty() && has_recorded_content(entry.input, place, FileUse::kInput)) {
+      source.path = place;
+    }
+  }
+  return source;
+}
+
 }  // namespace
 
 Result<BatchFolder> read_batch_folder(const std::string& folder) {
@@ -91,17 +104,6 @@ std::string motion_of(const BatchFolder& batch, const ManifestEntry& entry) {
     }
   }
   return {};
-}
-
-RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry) {
-  RecordedFile source;
-  for (const std::string& place : places_of(batch, entry.input.file)) {
-    source.is_there = source.is_there || is_file(place);
-    if (source.path.empty() && has_recorded_content(entry.input, place, FileUse::kInput)) {
-      source.path = place;
-    }
-  }
-  return source;
 }
 
 bool source_is_there(const BatchFolder& batch, const ManifestEntry& entry) {

@@ -35,14 +35,9 @@ struct RecordedFile {
   bool is_there = false;  ///< True if a file of that name exists, with any content.
 };
 
-/// Finds the source of an entry: relative to the working directory, otherwise to the batch's
-/// folder.
-[[nodiscard]] RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry);
-
 /// Returns true if a file of the source's name exists; does not read it.
 [[nodiscard]] bool source_is_there(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// Finds the motion of an entry.
 [[nodiscard]] RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry);
 
 /// Options for measuring and showing an entry's motion.

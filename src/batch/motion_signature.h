@@ -37,7 +37,6 @@ inline constexpr double kSignatureMaxTime = 40.0;
 [[nodiscard]] MotionSignature motion_signature(const Clip& clip, const Calibration& calibration,
                                                int begin, int end);
 
-/// Returns the signature of the mirrored motion.
 [[nodiscard]] MotionSignature mirrored(const MotionSignature& signature);
 
 /// Returns the difference of two motions in degrees: limb directions, and hip velocity at 20

@@ -138,6 +138,31 @@ bool refine_knots(const CubicChain& chain, const std::vector<double>& distances,
   return knots.size() > chain.knots.size();
 }
 
+// Fits a chain to points at given parameters by weighted least squares.
+// @param knots  at least two; their range contains all parameters.
+CubicChain fit_cubic_chain(std::vector<double> knots, const std::vector<double>& parameters,
+                           const std::vector<Eigen::Vector2d>& points,
+                           const std::vector<double>& weights) {
+  CubicChain chain{std::move(knots), {}};
+  BlockEquations equations(chain.knots.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t piece = chain.piece_of(parameters[i]);
+    const double length = chain.knots[piece + 1] - chain.knots[piece];
+    equations.add(piece, basis_at((parameters[i] - chain.knots[piece]) / length, length),
+                  points[i].transpose(), weights[i]);
+  }
+  // Weak regularisation: straight and even where there are no points.
+  constexpr double kEven = 1e-7;
+  for (std::size_t piece = 0; piece + 1 < chain.knots.size(); ++piece) {
+    const double length = chain.knots[piece + 1] - chain.knots[piece];
+    const RowVector2d none = RowVector2d::Zero();
+    equations.add(piece, {{0.0, -1.0}, {0.0, 1.0}}, none, kEven * length);
+    equations.add(piece, {{-1.0 / length, -0.5}, {1.0 / length, -0.5}}, none, kEven * length);
+  }
+  chain.nodes = equations.solve();
+  return chain;
+}
+
 FittedTrack fit_track(const ThinTrack& thin, const PathFitOptions& options) {
   const double length = thin.chords.back();
   const int pieces = std::max(1, static_cast<int>(std::lround(length / options.first_piece)));
@@ -224,29 +249,6 @@ std::vector<Eigen::Vector2d> CubicChain::control_points() const {
     points.emplace_back(nodes[i + 1].row(0).transpose());
   }
   return points;
-}
-
-CubicChain fit_cubic_chain(std::vector<double> knots, const std::vector<double>& parameters,
-                           const std::vector<Eigen::Vector2d>& points,
-                           const std::vector<double>& weights) {
-  CubicChain chain{std::move(knots), {}};
-  BlockEquations equations(chain.knots.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t piece = chain.piece_of(parameters[i]);
-    const double length = chain.knots[piece + 1] - chain.knots[piece];
-    equations.add(piece, basis_at((parameters[i] - chain.knots[piece]) / length, length),
-                  points[i].transpose(), weights[i]);
-  }
-  // Weak regularisation: straight and even where there are no points.
-  constexpr double kEven = 1e-7;
-  for (std::size_t piece = 0; piece + 1 < chain.knots.size(); ++piece) {
-    const double length = chain.knots[piece + 1] - chain.knots[piece];
-    const RowVector2d none = RowVector2d::Zero();
-    equations.add(piece, {{0.0, -1.0}, {0.0, 1.0}}, none, kEven * length);
-    equations.add(piece, {{-1.0 / length, -0.5}, {1.0 / length, -0.5}}, none, kEven * length);
-  }
-  chain.nodes = equations.solve();
-  return chain;
 }
 
 std::string path_text(const GroundPath& path) {

@@ -24,13 +24,6 @@ struct CubicChain {
   [[nodiscard]] std::vector<Eigen::Vector2d> control_points() const;
 };
 
-/// Fits a chain to points at given parameters by weighted least squares.
-/// @param knots  at least two; their range contains all parameters.
-[[nodiscard]] CubicChain fit_cubic_chain(std::vector<double> knots,
-                                         const std::vector<double>& parameters,
-                                         const std::vector<Eigen::Vector2d>& points,
-                                         const std::vector<double>& weights);
-
 /// Fits a path to a human that is already posed.
 [[nodiscard]] Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options);
 

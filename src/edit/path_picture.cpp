@@ -113,7 +113,6 @@ void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
   }
 }
 
-// A drawing with its posed human.
 struct PosedDrawing {
   std::optional<HumanClip> human;
   const GroundPath* path;

@@ -50,6 +50,26 @@ std::vector<double> smooth_cover(const std::vector<double>& values, int reach) {
   return result;
 }
 
+// Tracks a leg through all frames.
+LegTrack track_leg(const Clip& clip, const Calibration& calibration, const LegJoints& leg) {
+  const Eigen::Quaterniond human_from_source(calibration.human_from_source);
+  const double metres_per_unit = calibration.metres_per_unit;
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  LegTrack track;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, poses);
+    const Pose& ankle = poses[leg.ankle];
+    track.hips.emplace_back(human_from_source * poses[leg.hip].translation * metres_per_unit);
+    track.ankles.push_back({(human_from_source * ankle.rotation).normalized(),
+                            human_from_source * ankle.translation * metres_per_unit});
+    const Eigen::Vector3d& knee = poses[leg.knee].translation;
+    track.lengths.push_back(
+        ((knee - poses[leg.hip].translation).norm() + (ankle.translation - knee).norm()) *
+        metres_per_unit);
+  }
+  return track;
+}
+
 class FootPlanter {
  public:
   FootPlanter(Clip& clip, const Calibration& calibration, const BodyMover& mover,
@@ -156,25 +176,6 @@ class FootPlanter {
 };
 
 }  // namespace
-
-LegTrack track_leg(const Clip& clip, const Calibration& calibration, const LegJoints& leg) {
-  const Eigen::Quaterniond human_from_source(calibration.human_from_source);
-  const double metres_per_unit = calibration.metres_per_unit;
-  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
-  LegTrack track;
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    forward_kinematics(clip, frame, poses);
-    const Pose& ankle = poses[leg.ankle];
-    track.hips.emplace_back(human_from_source * poses[leg.hip].translation * metres_per_unit);
-    track.ankles.push_back({(human_from_source * ankle.rotation).normalized(),
-                            human_from_source * ankle.translation * metres_per_unit});
-    const Eigen::Vector3d& knee = poses[leg.knee].translation;
-    track.lengths.push_back(
-        ((knee - poses[leg.hip].translation).norm() + (ankle.translation - knee).norm()) *
-        metres_per_unit);
-  }
-  return track;
-}
 
 std::vector<Pose> ankle_poses(const Clip& clip, const Calibration& calibration,
                               const LegJoints& leg) {

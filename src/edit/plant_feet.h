@@ -25,10 +25,6 @@ struct LegTrack {
   std::vector<double> lengths;        ///< Total length of thigh and shin.
 };
 
-/// Tracks a leg through all frames.
-[[nodiscard]] LegTrack track_leg(const Clip& clip, const Calibration& calibration,
-                                 const LegJoints& leg);
-
 /// Returns the world poses of a leg's ankle (the file's joint and its axes) in every frame, metres,
 /// z up.
 [[nodiscard]] std::vector<Pose> ankle_poses(const Clip& clip, const Calibration& calibration,

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,13 +57,5 @@ struct SharedJoints {
     return parent < 0 ? world_turn : turns[parent];
   }
 };
-
-/// Returns the canonical bone that each target joint turns, if the source has it.
-[[nodiscard]] std::vector<std::optional<Bone>> bones_of_joints(const Calibration& source,
-                                                               const TransferTarget& target);
-
-[[nodiscard]] SharedJoints find_shared_joints(const Skeleton& source,
-                                              const Calibration& calibration,
-                                              const TransferTarget& target);
 
 }  // namespace retarget

@@ -7,7 +7,6 @@
 
 #include "retarget/report.h"
 #include "retarget/text.h"
-#include "view/figure.h"
 #include "view/page.h"
 #include "view/page_data.h"
 

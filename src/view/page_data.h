@@ -79,7 +79,6 @@ struct PageData {
 /// The tracks of a page as its header lists them.
 [[nodiscard]] nlohmann::ordered_json tracks_json(const TrackPacker& packer);
 
-/// Packs a header and tracks.
 [[nodiscard]] Result<PageData> packed_page(const nlohmann::ordered_json& header,
                                            const TrackPacker& packer);
 

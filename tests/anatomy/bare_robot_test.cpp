@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "retarget/load_robot.h"
-#include "robot/model/variant.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -39,16 +39,14 @@ SoleExtent extent_of(const Robot& robot, const Sole& sole) {
 }
 
 TEST(BareRobot, KeepsSolesOfTheProfile) {
-  const auto bare = load_robot_files(g1_model());
-  ASSERT_TRUE(bare) << describe(bare.error());
-  ASSERT_TRUE((*bare)->profile().soles.empty());
-  const auto completed = complete_bare_robot(**bare, g1_model());
-  ASSERT_TRUE(completed) << describe(completed.error());
-  EXPECT_FALSE(completed->guessed);
+  const auto bare = value_of(load_robot_files(g1_model()));
+  ASSERT_TRUE(bare->profile().soles.empty());
+  const auto completed = value_of(complete_bare_robot(*bare, g1_model()));
+  EXPECT_FALSE(completed.guessed);
   const auto known = load_g1();
-  ASSERT_EQ(completed->robot->profile().soles.size(), 2U);
+  ASSERT_EQ(completed.robot->profile().soles.size(), 2U);
   for (std::size_t side = 0; side < 2; ++side) {
-    const Sole &found = completed->robot->profile().soles[side],
+    const Sole &found = completed.robot->profile().soles[side],
                &wanted = known->profile().soles[side];
     EXPECT_EQ(found.side, wanted.side);
     EXPECT_EQ(found.body, wanted.body);
@@ -60,17 +58,15 @@ TEST(BareRobot, KeepsSolesOfTheProfile) {
 }
 
 TEST(BareRobot, KeepsEverythingElse) {
-  const auto bare = load_robot_files(g1_model());
-  ASSERT_TRUE(bare);
-  const auto completed = complete_bare_robot(**bare, g1_model());
-  ASSERT_TRUE(completed);
-  const Robot& robot = *completed->robot;
-  EXPECT_EQ(robot.name(), (*bare)->name());
-  EXPECT_EQ(robot.joint_names(), (*bare)->joint_names());
-  EXPECT_EQ(robot.output_joints(), (*bare)->output_joints());
-  EXPECT_EQ(robot.zero_configuration(), (*bare)->zero_configuration());
-  EXPECT_EQ(robot.model_limits().lower, (*bare)->model_limits().lower);
-  EXPECT_EQ(robot.collision_shapes().size(), (*bare)->collision_shapes().size());
+  const auto bare = value_of(load_robot_files(g1_model()));
+  const auto completed = value_of(complete_bare_robot(*bare, g1_model()));
+  const Robot& robot = *completed.robot;
+  EXPECT_EQ(robot.name(), bare->name());
+  EXPECT_EQ(robot.joint_names(), bare->joint_names());
+  EXPECT_EQ(robot.output_joints(), bare->output_joints());
+  EXPECT_EQ(robot.zero_configuration(), bare->zero_configuration());
+  EXPECT_EQ(robot.model_limits().lower, bare->model_limits().lower);
+  EXPECT_EQ(robot.collision_shapes().size(), bare->collision_shapes().size());
   EXPECT_FALSE(robot.profile().allowed_self_contact.empty());
 }
 
@@ -84,16 +80,14 @@ TEST(BareRobot, GuessesSolesWithoutShapes) {
     at += 5;
   }
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot_files(model);
-  ASSERT_TRUE(bare) << describe(bare.error());
-  ASSERT_TRUE((*bare)->collision_shapes().empty());
-  const auto completed = complete_bare_robot(**bare, model);
-  ASSERT_TRUE(completed) << describe(completed.error());
-  EXPECT_TRUE(completed->guessed);
-  EXPECT_EQ(completed->robot->profile().soles.size(), 2U);
-  EXPECT_TRUE(completed->robot->collision_shapes().empty());
+  const auto bare = value_of(load_robot_files(model));
+  ASSERT_TRUE(bare->collision_shapes().empty());
+  const auto completed = value_of(complete_bare_robot(*bare, model));
+  EXPECT_TRUE(completed.guessed);
+  EXPECT_EQ(completed.robot->profile().soles.size(), 2U);
+  EXPECT_TRUE(completed.robot->collision_shapes().empty());
   // thighs, shins, feet, upper arms, forearms
-  EXPECT_EQ(completed->shapeless, 10);
+  EXPECT_EQ(completed.shapeless, 10);
 }
 
 // The model defines the shapes that motions are measured with: a capsule instead of a cylinder
@@ -108,16 +102,14 @@ TEST(BareRobot, KeepsShapesOfTheModel) {
   add_geom("left_shin", "<geom type=\"cylinder\" pos=\"0 0 -0.12\" size=\"0.03 0.1\"/>");
   add_geom("right_shin", "<geom type=\"capsule\" pos=\"0 0 -0.12\" size=\"0.03 0.1\"/>");
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot_files(model);
-  ASSERT_TRUE(bare) << describe(bare.error());
-  const auto completed = complete_bare_robot(**bare, model);
-  ASSERT_TRUE(completed) << describe(completed.error());
-  EXPECT_FALSE(completed->guessed);
-  const auto &shapes = completed->robot->collision_shapes(), &own = (*bare)->collision_shapes();
+  const auto bare = value_of(load_robot_files(model));
+  const auto completed = value_of(complete_bare_robot(*bare, model));
+  EXPECT_FALSE(completed.guessed);
+  const auto &shapes = completed.robot->collision_shapes(), &own = bare->collision_shapes();
   ASSERT_EQ(shapes.size(), own.size());
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(shapes[i].geom, own[i].geom);
   // thighs, one shin, upper arms, forearms
-  EXPECT_EQ(completed->shapeless, 7);
+  EXPECT_EQ(completed.shapeless, 7);
 }
 
 // Feet are not rectangles: a corner beyond the spheres of a narrow heel would touch first.
@@ -132,13 +124,11 @@ TEST(BareRobot, SolesMatchTheFootContacts) {
         "<geom size=\".01\" pos=\".1 .04 -.04\"/><geom size=\".01\" pos=\".1 -.04 -.04\"/>");
   }
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot_files(model);
-  ASSERT_TRUE(bare) << describe(bare.error());
-  const auto completed = complete_bare_robot(**bare, model);
-  ASSERT_TRUE(completed) << describe(completed.error());
+  const auto bare = value_of(load_robot_files(model));
+  const auto completed = value_of(complete_bare_robot(*bare, model));
   const Eigen::Vector3d wanted[] = {
       {-0.05, 0.01, -0.05}, {-0.05, -0.01, -0.05}, {0.1, 0.04, -0.05}, {0.1, -0.04, -0.05}};
-  for (const Sole& sole : completed->robot->profile().soles) {
+  for (const Sole& sole : completed.robot->profile().soles) {
     ASSERT_EQ(sole.points.size(), 4U);
     for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((sole.points[i] - wanted[i]).norm(), 1e-9) << i;
   }

@@ -8,6 +8,7 @@
 
 #include "support/built_humanoids.h"
 #include "support/humanoids.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -43,15 +44,14 @@ std::string refusal(const std::string& mjcf) {
 TEST(FindLimbs, FindsEveryPartOfAHumanoid) {
   for (const bool arms_down : {false, true}) {
     const auto robot = robot_from_text(tiny_humanoid(arms_down));
-    const auto limbs = find_limbs(*robot, "");
-    ASSERT_TRUE(limbs) << describe(limbs.error());
-    EXPECT_EQ(body_name(*robot, limbs->pelvis), "pelvis");
-    EXPECT_EQ(body_name(*robot, limbs->torso), "torso");
-    EXPECT_TRUE(limbs->facing_is_sure);
-    EXPECT_NEAR((limbs->forward - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-12);
+    const auto limbs = value_of(find_limbs(*robot, ""));
+    EXPECT_EQ(body_name(*robot, limbs.pelvis), "pelvis");
+    EXPECT_EQ(body_name(*robot, limbs.torso), "torso");
+    EXPECT_TRUE(limbs.facing_is_sure);
+    EXPECT_NEAR((limbs.forward - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-12);
     for (std::size_t side = 0; side < 2; ++side) {
       const std::string name = side == 0 ? "left_" : "right_";
-      const Limb& leg = limbs->legs[side];
+      const Limb& leg = limbs.legs[side];
       EXPECT_EQ(body_name(*robot, leg.upper.body), name + "thigh");
       EXPECT_EQ(body_name(*robot, leg.lower.body), name + "shin");
       EXPECT_EQ(body_name(*robot, leg.end->body), name + "foot");
@@ -59,7 +59,7 @@ TEST(FindLimbs, FindsEveryPartOfAHumanoid) {
       EXPECT_NEAR(leg.lower_length, 0.25, 1e-9);
       EXPECT_NEAR(leg.straight, 0.0, 1e-9);
       EXPECT_EQ(leg.flexion, 1.0);
-      const Limb& arm = limbs->arms[side];
+      const Limb& arm = limbs.arms[side];
       EXPECT_EQ(body_name(*robot, arm.upper.body), name + "upper_arm");
       EXPECT_EQ(body_name(*robot, arm.lower.body), name + "forearm");
       EXPECT_EQ(body_name(*robot, arm.end->body), name + "hand");
@@ -72,29 +72,26 @@ TEST(FindLimbs, FindsEveryPartOfAHumanoid) {
 TEST(FindLimbs, IgnoresNames) {
   const auto named = robot_from_text(tiny_humanoid(true));
   const auto scrambled = robot_from_text(scramble_names(tiny_humanoid(true)));
-  const auto expected = find_limbs(*named, "");
-  const auto found = find_limbs(*scrambled, "");
-  ASSERT_TRUE(expected);
-  ASSERT_TRUE(found) << describe(found.error());
-  EXPECT_EQ(bodies_of(*found), bodies_of(*expected));
-  EXPECT_NE(body_name(*scrambled, found->pelvis), "pelvis");
+  const auto expected = value_of(find_limbs(*named, ""));
+  const auto found = value_of(find_limbs(*scrambled, ""));
+  EXPECT_EQ(bodies_of(found), bodies_of(expected));
+  EXPECT_NE(body_name(*scrambled, found.pelvis), "pelvis");
 }
 
 TEST(FindLimbs, BoneAxesAreTheCanonicalOnes) {
   // T-pose at zero with bodies aligned with the world: the bone axes are the canonical ones.
   const auto robot = robot_from_text(tiny_humanoid(false));
-  const auto limbs = find_limbs(*robot, "");
-  ASSERT_TRUE(limbs);
+  const auto limbs = value_of(find_limbs(*robot, ""));
   Eigen::Matrix3d leg, left_arm, right_arm, foot;
   leg << -Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY();
   foot << Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY();
   left_arm << Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ();
   right_arm << -Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ();
-  EXPECT_NEAR((limbs->legs[0].upper.body_from_bone - leg).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((limbs->legs[1].lower.body_from_bone - leg).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((limbs->legs[1].end->body_from_bone - foot).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((limbs->arms[0].upper.body_from_bone - left_arm).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((limbs->arms[1].lower.body_from_bone - right_arm).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs.legs[0].upper.body_from_bone - leg).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs.legs[1].lower.body_from_bone - leg).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs.legs[1].end->body_from_bone - foot).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs.arms[0].upper.body_from_bone - left_arm).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs.arms[1].lower.body_from_bone - right_arm).norm(), 0.0, 1e-9);
 }
 
 TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
@@ -107,11 +104,10 @@ TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
     const std::string base = "pos=\"0 0 0.55\"";
     text.replace(text.find(base), base.size(), base + " quat=\"" + quat + "\"");
     const auto robot = robot_from_text(text);
-    const auto limbs = find_limbs(*robot, "");
-    ASSERT_TRUE(limbs) << describe(limbs.error());
-    EXPECT_NEAR((limbs->forward - forward).norm(), 0.0, 1e-9);
+    const auto limbs = value_of(find_limbs(*robot, ""));
+    EXPECT_NEAR((limbs.forward - forward).norm(), 0.0, 1e-9);
     const auto upright = robot_from_text(scramble_names(tiny_humanoid(true)));
-    EXPECT_EQ(bodies_of(*limbs), bodies_of(*find_limbs(*upright, "")));
+    EXPECT_EQ(bodies_of(limbs), bodies_of(*find_limbs(*upright, "")));
   }
 }
 
@@ -164,12 +160,11 @@ TEST(FindLimbs, OrderOfLegsInTheModelDoesNotTurnTheRobot) {
     ASSERT_NE(text.find(ankle), std::string::npos);
     text.replace(text.find(ankle) + ankle.size() - 2, 1, "1e-17");
     const auto robot = robot_from_text(text);
-    const auto limbs = find_limbs(*robot, "");
-    ASSERT_TRUE(limbs) << describe(limbs.error());
-    EXPECT_NEAR((limbs->forward - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-9);
-    EXPECT_EQ(body_name(*robot, limbs->arms[0].upper.body), "left_shoulder_yaw");
-    EXPECT_EQ(body_name(*robot, limbs->legs[0].upper.body), "left_hip_yaw");
-    EXPECT_THAT(limbs->notes, Not(Contains(HasSubstr("named right"))));
+    const auto limbs = value_of(find_limbs(*robot, ""));
+    EXPECT_NEAR((limbs.forward - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-9);
+    EXPECT_EQ(body_name(*robot, limbs.arms[0].upper.body), "left_shoulder_yaw");
+    EXPECT_EQ(body_name(*robot, limbs.legs[0].upper.body), "left_hip_yaw");
+    EXPECT_THAT(limbs.notes, Not(Contains(HasSubstr("named right"))));
   }
 }
 
@@ -192,11 +187,10 @@ TEST(FindLimbs, MassesOfFingersDoNotSeparateArms) {
     text.replace(text.find("HEAVY"), 5, mass);  // The left arm comes first.
   }
   const auto robot = robot_from_text(text);
-  const auto limbs = find_limbs(*robot, "");
-  ASSERT_TRUE(limbs) << describe(limbs.error());
+  const auto limbs = value_of(find_limbs(*robot, ""));
   for (const std::size_t side : {0U, 1U}) {
-    EXPECT_EQ(limbs->arms[side].joints.size(), 5U);
-    EXPECT_EQ(body_name(*robot, limbs->arms[side].end->body),
+    EXPECT_EQ(limbs.arms[side].joints.size(), 5U);
+    EXPECT_EQ(body_name(*robot, limbs.arms[side].end->body),
               side == 0 ? "left_wrist" : "right_wrist");
   }
 }

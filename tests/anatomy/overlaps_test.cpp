@@ -10,6 +10,7 @@
 #include "robot/anatomy/bare_robot.h"
 #include "robot/anatomy/limbs.h"
 #include "support/humanoids.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -206,16 +207,14 @@ TEST(AllowedContacts, UseTheExclusionsOfTheModel) {
               "<contact><exclude body1=\"left_thigh\" body2=\"right_thigh\"/>"
               "<exclude body1=\"left_hand\" body2=\"pelvis\"/></contact>");
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot_files(model);
-  ASSERT_TRUE(bare) << describe(bare.error());
-  const auto completed = complete_bare_robot(**bare, model);
-  ASSERT_TRUE(completed) << describe(completed.error());
+  const auto bare = value_of(load_robot_files(model));
+  const auto completed = value_of(complete_bare_robot(*bare, model));
   // The model excludes the pair, so there is nothing to report.
-  EXPECT_THAT(completed->overlaps, IsEmpty());
+  EXPECT_THAT(completed.overlaps, IsEmpty());
   const auto pair = [&](const char* a, const char* b) {
-    return std::pair((*bare)->find_body(a).value(), (*bare)->find_body(b).value());
+    return std::pair(bare->find_body(a).value(), bare->find_body(b).value());
   };
-  const auto& allowed = completed->robot->profile().allowed_self_contact;
+  const auto& allowed = completed.robot->profile().allowed_self_contact;
   EXPECT_THAT(allowed, Contains(pair("left_thigh", "right_thigh")));
   EXPECT_THAT(allowed, Contains(pair("left_hand", "pelvis")));
   EXPECT_THAT(allowed, Not(Contains(pair("right_hand", "pelvis"))));
@@ -224,13 +223,11 @@ TEST(AllowedContacts, UseTheExclusionsOfTheModel) {
 TEST(AllowedContacts, AreNamedForABareModel) {
   const TemporaryFolder folder;
   const std::string model = folder.write("robot.xml", with_thick_thighs());
-  const auto bare = load_robot_files(model);
-  ASSERT_TRUE(bare) << describe(bare.error());
-  const auto completed = complete_bare_robot(**bare, model);
-  ASSERT_TRUE(completed) << describe(completed.error());
-  EXPECT_THAT(completed->overlaps, ElementsAre(HasSubstr("\"left_thigh\" and \"right_thigh\"")));
-  const auto again = complete_bare_robot(**bare, model);
-  EXPECT_EQ(again->overlaps, completed->overlaps);
+  const auto bare = value_of(load_robot_files(model));
+  const auto completed = value_of(complete_bare_robot(*bare, model));
+  EXPECT_THAT(completed.overlaps, ElementsAre(HasSubstr("\"left_thigh\" and \"right_thigh\"")));
+  const auto again = complete_bare_robot(*bare, model);
+  EXPECT_EQ(again->overlaps, completed.overlaps);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -13,8 +12,10 @@
 #include <vector>
 
 #include "retarget/kinematic_tree.h"
-#include "robot/model/variant.h"
+#include "robot/shipped_robots.h"
 #include "support/hand_robots.h"
+#include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -30,7 +31,7 @@ void expect_near(const Eigen::Vector3d& found, const Eigen::Vector3d& expected) 
 }
 
 TEST(RobotHandsTest, FindsTheThreeFingersOfTheG1) {
-  const auto robot = load_shipped_robot("unitree_g1_with_hands");
+  const auto robot = load_shipped("unitree_g1_with_hands");
   const RobotHands hands = find_hands(*robot);
   for (std::size_t side = 0; side < 2; ++side) {
     ASSERT_TRUE(hands[side]);
@@ -179,7 +180,7 @@ TEST(RobotHandsTest, TwoJawsAreAGripper) {
 TEST(RobotHandsTest, FindsThoseOfOtherShippedRobots) {
   const std::map<std::string, std::size_t> fingers = {{"engineai_t800", 3}, {"unitree_h2_plus", 5}};
   for (const auto& [name, count] : fingers) {
-    const RobotHands hands = find_hands(*load_shipped_robot(name));
+    const RobotHands hands = find_hands(*load_shipped(name));
     for (const auto& hand : hands) {
       ASSERT_TRUE(hand) << name;
       ASSERT_EQ(hand->fingers.size(), count) << name;
@@ -197,10 +198,7 @@ TEST(RobotHandsTest, FindsNoneOnRobotsWithoutThem) {
          std::filesystem::directory_iterator(std::filesystem::path(RETARGET_SOURCE_DIR) / folder)) {
       const std::string name = entry.path().filename().string();
       if (!entry.is_directory() || name == "unverified" || with_hands.contains(name)) continue;
-      const auto robot = load_robot_files((entry.path() / "model.xml").string(),
-                                          (entry.path() / "robot.json").string());
-      ASSERT_TRUE(robot) << name;
-      const RobotHands hands = find_hands(**robot);
+      const RobotHands hands = find_hands(*load_robot_in(entry.path()));
       EXPECT_FALSE(hands[0] || hands[1]) << name;
       ++looked_at;
     }
@@ -209,9 +207,8 @@ TEST(RobotHandsTest, FindsNoneOnRobotsWithoutThem) {
 }
 
 TEST(RobotHandsTest, IgnoresHeldFingers) {
-  const auto robot = robot_variant(load_shipped_robot("unitree_g1_with_hands"), "29");
-  ASSERT_TRUE(robot);
-  const RobotHands hands = find_hands(**robot);
+  const auto robot = value_of(robot_variant(load_shipped("unitree_g1_with_hands"), "29"));
+  const RobotHands hands = find_hands(*robot);
   EXPECT_FALSE(hands[0] || hands[1]);
 }
 

@@ -9,6 +9,7 @@
 #include "robot/anatomy/bare_robot.h"
 #include "robot/anatomy/shapes.h"
 #include "support/humanoids.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -57,11 +58,8 @@ std::string with_mesh_feet() {
 }
 
 CompletedRobot completed_from(const std::string& model) {
-  const auto bare = load_robot_files(model);
-  EXPECT_TRUE(bare) << describe(bare.error());
-  auto completed = complete_bare_robot(**bare, model);
-  EXPECT_TRUE(completed) << describe(completed.error());
-  return *completed;
+  const auto bare = value_of(load_robot_files(model));
+  return value_of(complete_bare_robot(*bare, model));
 }
 
 void expect_mesh_soles(const Robot& robot) {
@@ -236,11 +234,9 @@ struct FoundFeet {
 
 FoundFeet find_feet(const std::string& text) {
   const auto robot = robot_from_text(text);
-  auto limbs = find_limbs(*robot, "");
-  EXPECT_TRUE(limbs.has_value());
-  if (!limbs) return {};
-  RobotShapes shapes = find_shapes(*robot, *limbs, {});
-  return {std::move(*limbs), std::move(shapes)};
+  auto limbs = value_of(find_limbs(*robot, ""));
+  RobotShapes shapes = find_shapes(*robot, limbs, {});
+  return {std::move(limbs), std::move(shapes)};
 }
 
 const std::string kBoxFoot = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -83,38 +84,34 @@ TEST_F(FileTest, ReadsWrittenFiles) {
   std::string bytes;
   for (int i = 0; i < 300'000; ++i) bytes.push_back(static_cast<char>(i % 256));
   ASSERT_TRUE(write_file(path("a"), bytes).has_value());
-  const auto read = read_file(path("a"));
-  ASSERT_TRUE(read.has_value());
-  EXPECT_EQ(read->view(), bytes);
+  const auto read = value_of(read_file(path("a")));
+  EXPECT_EQ(read.view(), bytes);
   EXPECT_THAT(names(), ElementsAre("a"));
 }
 
 TEST_F(FileTest, WritesAnEmptyFile) {
   ASSERT_TRUE(write_file(path("a"), "").has_value());
   EXPECT_EQ(fs::file_size(folder_ / "a"), 0U);
-  const auto read = read_file(path("a"));
-  ASSERT_TRUE(read.has_value());
-  EXPECT_EQ(read->view(), "");
+  const auto read = value_of(read_file(path("a")));
+  EXPECT_EQ(read.view(), "");
 }
 
 TEST_F(FileTest, NothingIsVisibleBeforeCommit) {
   put("a", "old");
-  auto file = OutputFile::create(path("a"));
-  ASSERT_TRUE(file.has_value());
-  ASSERT_TRUE(file->write("new ").has_value());
-  ASSERT_TRUE(file->write("text").has_value());
+  auto file = value_of(OutputFile::create(path("a")));
+  ASSERT_TRUE(file.write("new ").has_value());
+  ASSERT_TRUE(file.write("text").has_value());
   EXPECT_EQ(content("a"), "old");
-  ASSERT_TRUE(file->commit().has_value());
+  ASSERT_TRUE(file.commit().has_value());
   EXPECT_EQ(content("a"), "new text");
   EXPECT_THAT(names(), ElementsAre("a"));
 }
 
 TEST_F(FileTest, NothingRemainsWithoutCommit) {
   {
-    auto file = OutputFile::create(path("a"));
-    ASSERT_TRUE(file.has_value());
-    ASSERT_TRUE(file->write("half").has_value());
-    OutputFile moved = std::move(*file);
+    auto file = value_of(OutputFile::create(path("a")));
+    ASSERT_TRUE(file.write("half").has_value());
+    OutputFile moved = std::move(file);
     ASSERT_TRUE(moved.write(" of it").has_value());
   }
   EXPECT_THAT(names(), IsEmpty());
@@ -166,11 +163,10 @@ TEST_F(FileTest, FileSizeLimitKeepsTheOldFile) {
 TEST_F(FileTest, FailedWriteCannotBeCommitted) {
   {
     const FileSizeLimit limit(4096);
-    auto file = OutputFile::create(path("a"));
-    ASSERT_TRUE(file.has_value());
-    EXPECT_FALSE(file->write(std::string(100'000, 'x')).has_value());
-    EXPECT_FALSE(file->write("more").has_value());
-    EXPECT_FALSE(file->commit().has_value());
+    auto file = value_of(OutputFile::create(path("a")));
+    EXPECT_FALSE(file.write(std::string(100'000, 'x')).has_value());
+    EXPECT_FALSE(file.write("more").has_value());
+    EXPECT_FALSE(file.commit().has_value());
   }
   EXPECT_THAT(names(), IsEmpty());
 }

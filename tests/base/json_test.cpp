@@ -1,4 +1,5 @@
 #include "base/json.h"
+#include "support/value_of.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,9 +28,8 @@ void expect_at(const std::string& text, std::size_t line, std::size_t column) {
 }
 
 TEST(JsonTest, KeepsMemberOrder) {
-  const auto json = parse_json(R"({"z": 1, "a": 2, "m": 3})", "file.json");
-  ASSERT_TRUE(json.has_value());
-  EXPECT_EQ(json->dump(), R"({"z":1,"a":2,"m":3})");
+  const auto json = value_of(parse_json(R"({"z": 1, "a": 2, "m": 3})", "file.json"));
+  EXPECT_EQ(json.dump(), R"({"z":1,"a":2,"m":3})");
 }
 
 TEST(JsonTest, SyntaxErrorsPointToTheFirstWrongByte) {

@@ -10,6 +10,7 @@
 
 #include "formats/containers/npz.h"
 #include "support/npz_builder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -37,9 +38,7 @@ inline Result<NpyArray> read_array(const std::string& bytes, std::string_view na
 
 /// The only array of a valid file.
 inline NpyArray array_of(const std::string& npy_bytes, const NpzBuilder::Style& style = {}) {
-  const Result<NpyArray> array = read_array(NpzBuilder().add("a", npy_bytes, style).build(), "a");
-  EXPECT_TRUE(array.has_value()) << describe(array.error());
-  return array ? *array : NpyArray{};
+  return value_of(read_array(NpzBuilder().add("a", npy_bytes, style).build(), "a"));
 }
 
 template <typename T>

@@ -13,6 +13,7 @@
 #include "formats/containers/npz.h"
 #include "retarget/file.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -34,9 +35,7 @@ class NpzFromNumpy : public ::testing::Test {
   }
 
   [[nodiscard]] std::string bytes_of(const std::string& name) const {
-    const Result<FileContent> bytes = read_file((folder_.path() / name).string());
-    EXPECT_TRUE(bytes.has_value()) << name;
-    return bytes ? std::string(bytes->view()) : std::string();
+    return std::string(value_of(read_file((folder_.path() / name).string())).view());
   }
 
   TemporaryFolder folder_;
@@ -57,15 +56,13 @@ TEST_F(NpzFromNumpy, MatchesNumpy) {
   int arrays = 0;
   for (const auto& [name, content] : expected_.items()) {
     const std::string bytes = bytes_of(name);
-    const Result<NpzFile> file = NpzFile::open(bytes, name);
-    ASSERT_TRUE(file.has_value()) << describe(file.error());
+    const auto file = value_of(NpzFile::open(bytes, name));
     const std::size_t refused = content.contains("refused") ? content["refused"].size() : 0;
-    EXPECT_EQ(file->names().size(), content["arrays"].size() + refused) << name;
+    EXPECT_EQ(file.names().size(), content["arrays"].size() + refused) << name;
     for (const auto& [array_name, expected] : content["arrays"].items()) {
       SCOPED_TRACE(name + ": " + array_name);
-      const Result<NpyArray> array = file->read(array_name);
-      ASSERT_TRUE(array.has_value()) << describe(array.error());
-      expect_array(*array, expected);
+      const auto array = value_of(file.read(array_name));
+      expect_array(array, expected);
       ++arrays;
     }
   }
@@ -77,10 +74,9 @@ TEST_F(NpzFromNumpy, RejectsUnsupportedArraysByName) {
   for (const auto& [name, content] : expected_.items()) {
     if (!content.contains("refused")) continue;
     const std::string bytes = bytes_of(name);
-    const Result<NpzFile> file = NpzFile::open(bytes, name);
-    ASSERT_TRUE(file.has_value()) << describe(file.error());
+    const auto file = value_of(NpzFile::open(bytes, name));
     for (const auto& [array_name, word] : content["refused"].items()) {
-      const Result<NpyArray> array = file->read(array_name);
+      const Result<NpyArray> array = file.read(array_name);
       ASSERT_FALSE(array.has_value()) << array_name;
       EXPECT_EQ(array.error().location.file, name);
       EXPECT_THAT(array.error().message, HasSubstr("array \"" + array_name + "\": "));

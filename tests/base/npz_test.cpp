@@ -13,6 +13,7 @@
 #include "base/npz_arrays.h"
 #include "support/npz_builder.h"
 #include "support/read_npy.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -35,22 +36,19 @@ TEST(Npz, ListsAndReadsArrays) {
                                 .add("trans", npy_doubles({2, 3}, {1, 2, 3, 4, 5, 6}))
                                 .add("fps", npy("<i8", "()", element_bytes<std::int64_t>({30})))
                                 .build();
-  const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
-  ASSERT_TRUE(file.has_value()) << describe(file.error());
-  EXPECT_THAT(file->names(), ElementsAre("trans", "fps"));
-  EXPECT_TRUE(file->has("fps"));
-  EXPECT_FALSE(file->has("trans.npy"));
+  const auto file = value_of(NpzFile::open(bytes, "a.npz"));
+  EXPECT_THAT(file.names(), ElementsAre("trans", "fps"));
+  EXPECT_TRUE(file.has("fps"));
+  EXPECT_FALSE(file.has("trans.npy"));
 
-  const Result<NpyArray> trans = file->read("trans");
-  ASSERT_TRUE(trans.has_value()) << describe(trans.error());
-  EXPECT_THAT(trans->shape, ElementsAre(2, 3));
-  EXPECT_THAT(trans->numbers(), ElementsAre(1, 2, 3, 4, 5, 6));
-  const Result<NpyArray> fps = file->read("fps");
-  ASSERT_TRUE(fps.has_value()) << describe(fps.error());
-  EXPECT_THAT(fps->shape, IsEmpty());
-  EXPECT_EQ(fps->element_count(), 1U);
-  EXPECT_THAT(fps->numbers(), ElementsAre(30));
-  EXPECT_EQ(*file->type_of("trans"), "<f8");
+  const auto trans = value_of(file.read("trans"));
+  EXPECT_THAT(trans.shape, ElementsAre(2, 3));
+  EXPECT_THAT(trans.numbers(), ElementsAre(1, 2, 3, 4, 5, 6));
+  const auto fps = value_of(file.read("fps"));
+  EXPECT_THAT(fps.shape, IsEmpty());
+  EXPECT_EQ(fps.element_count(), 1U);
+  EXPECT_THAT(fps.numbers(), ElementsAre(30));
+  EXPECT_EQ(*file.type_of("trans"), "<f8");
 }
 
 TEST(Npz, EveryStorageMethodGivesTheSameArray) {
@@ -76,19 +74,17 @@ TEST(Npz, FindsTheDirectoryWithZip64AndComments) {
   for (const bool zip64 : {false, true}) {
     for (const std::string& comment :
          {std::string(), std::string("PK\x05\x06 not the end"), std::string(65535, 'x')}) {
-      const auto array = read_array(builder.build(zip64, comment), "a");
-      ASSERT_TRUE(array.has_value()) << describe(array.error());
-      EXPECT_THAT(array->numbers(), ElementsAre(4));
+      const auto array = value_of(read_array(builder.build(zip64, comment), "a"));
+      EXPECT_THAT(array.numbers(), ElementsAre(4));
     }
   }
 }
 
 TEST(Npz, AcceptsFilesWithoutArrays) {
   const std::string bytes = NpzBuilder().build();
-  const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
-  ASSERT_TRUE(file.has_value()) << describe(file.error());
-  EXPECT_THAT(file->names(), IsEmpty());
-  EXPECT_THAT(error_of(file->read("a")), HasSubstr("no array \"a\"; found no arrays at all"));
+  const auto file = value_of(NpzFile::open(bytes, "a.npz"));
+  EXPECT_THAT(file.names(), IsEmpty());
+  EXPECT_THAT(error_of(file.read("a")), HasSubstr("no array \"a\"; found no arrays at all"));
 }
 
 TEST(Npz, ReadsEveryKindOfNumberInEitherByteOrder) {
@@ -223,10 +219,9 @@ TEST(Npz, RejectsMalformedHeaders) {
 
 TEST(Npz, RejectsPythonObjects) {
   const std::string bytes = NpzBuilder().add("gender", npy("|O", "()", "\x80\x04\x4e.")).build();
-  const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
-  ASSERT_TRUE(file.has_value());
-  EXPECT_EQ(*file->type_of("gender"), "|O");
-  const Result<NpyArray> array = file->read("gender");
+  const auto file = value_of(NpzFile::open(bytes, "a.npz"));
+  EXPECT_EQ(*file.type_of("gender"), "|O");
+  const Result<NpyArray> array = file.read("gender");
   EXPECT_THAT(error_of(array), HasSubstr("array \"gender\": it contains Python objects"));
   EXPECT_THAT(error_of(array), HasSubstr("hint: unpickling can run code"));
   EXPECT_EQ(array.error().kind, ErrorKind::kInput);
@@ -310,10 +305,9 @@ TEST(Npz, NamesOtherFileTypes) {
 }
 
 TEST(Npy, ReadsASingleArray) {
-  const auto array = read_npy(npy_floats({2, 1}, {1.5F, -2.0F}), "a.npy");
-  ASSERT_TRUE(array.has_value()) << describe(array.error());
-  EXPECT_THAT(array->shape, ElementsAre(2, 1));
-  EXPECT_THAT(array->numbers(), ElementsAre(1.5, -2.0));
+  const auto array = value_of(read_npy(npy_floats({2, 1}, {1.5F, -2.0F}), "a.npy"));
+  EXPECT_THAT(array.shape, ElementsAre(2, 1));
+  EXPECT_THAT(array.numbers(), ElementsAre(1.5, -2.0));
   const std::string whole = npy_floats({2}, {1, 2});
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const ExactBytes exact(std::string_view(whole).substr(0, size));

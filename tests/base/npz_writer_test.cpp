@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "retarget/zip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -24,17 +25,15 @@ TEST(NpzWriterTest, RoundTrips) {
   writer.add("counts", int64_array(counts, {2}));
   writer.add("names", text_array(names));
   writer.add("one", text_array({names.data(), 1}, true));
-  const auto bytes = writer.finish();
-  ASSERT_TRUE(bytes);
-  const auto npz = NpzFile::open(*bytes, "x.npz");
-  ASSERT_TRUE(npz) << describe(npz.error());
-  EXPECT_THAT(npz->names(), ElementsAre("doubles", "floats", "counts", "names", "one"));
-  EXPECT_THAT(npz->read("doubles")->numbers(), ElementsAre(1.5, -2.0, 3.0, 0.1, 5.0, 6.0));
-  EXPECT_THAT(npz->read("doubles")->shape, ElementsAre(3, 2));
-  EXPECT_EQ(npz->read("floats")->numbers()[3], static_cast<double>(0.1F));
-  EXPECT_THAT(npz->read("counts")->numbers(), ElementsAre(-1, 50));
-  EXPECT_THAT(npz->read("names")->texts(), ElementsAre("left", "a"));
-  EXPECT_TRUE(npz->read("one")->shape.empty());
+  const auto bytes = value_of(writer.finish());
+  const auto npz = value_of(NpzFile::open(bytes, "x.npz"));
+  EXPECT_THAT(npz.names(), ElementsAre("doubles", "floats", "counts", "names", "one"));
+  EXPECT_THAT(npz.read("doubles")->numbers(), ElementsAre(1.5, -2.0, 3.0, 0.1, 5.0, 6.0));
+  EXPECT_THAT(npz.read("doubles")->shape, ElementsAre(3, 2));
+  EXPECT_EQ(npz.read("floats")->numbers()[3], static_cast<double>(0.1F));
+  EXPECT_THAT(npz.read("counts")->numbers(), ElementsAre(-1, 50));
+  EXPECT_THAT(npz.read("names")->texts(), ElementsAre("left", "a"));
+  EXPECT_TRUE(npz.read("one")->shape.empty());
 }
 
 TEST(NpzWriterTest, StreamsGiveTheSameBytes) {
@@ -44,8 +43,7 @@ TEST(NpzWriterTest, StreamsGiveTheSameBytes) {
   NpzWriter writer;
   writer.add("doubles", array);
   writer.add("names", text_array(names));
-  const auto whole = writer.finish();
-  ASSERT_TRUE(whole);
+  const auto whole = value_of(writer.finish());
 
   std::string bytes;
   NpzStream stream([&bytes](std::string_view more) -> Result<void> {
@@ -63,10 +61,9 @@ TEST(NpzWriterTest, StreamsGiveTheSameBytes) {
   ASSERT_TRUE(stream.end());
   ASSERT_TRUE(stream.add("names", text_array(names)));
   ASSERT_TRUE(stream.finish());
-  EXPECT_EQ(bytes, *whole);
-  const auto npz = NpzFile::open(bytes, "x.npz");
-  ASSERT_TRUE(npz) << describe(npz.error());
-  EXPECT_EQ(npz->read("names")->texts(), names);
+  EXPECT_EQ(bytes, whole);
+  const auto npz = value_of(NpzFile::open(bytes, "x.npz"));
+  EXPECT_EQ(npz.read("names")->texts(), names);
 }
 
 TEST(NpzWriterTest, StreamsNameTheChange) {
@@ -101,16 +98,14 @@ TEST(NpzWriterTest, Zip64IsRead) {
   }
   ASSERT_TRUE(stream.finish());
   EXPECT_NE(bytes.find("PK\x06\x06"), std::string::npos);
-  const auto archive = ZipArchive::open(bytes);
-  ASSERT_TRUE(archive) << describe(archive.error());
-  ASSERT_EQ(archive->entries().size(), 3U);
+  const auto archive = value_of(ZipArchive::open(bytes));
+  ASSERT_EQ(archive.entries().size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string& content = i == 1 ? large : small;
-    EXPECT_EQ(archive->entries()[i].size, content.size());
-    auto reader = archive->entry_reader(i);
-    ASSERT_TRUE(reader) << describe(reader.error());
-    EXPECT_EQ(*reader->read(content.size()), content);
-    EXPECT_TRUE(reader->finish());
+    EXPECT_EQ(archive.entries()[i].size, content.size());
+    auto reader = value_of(archive.entry_reader(i));
+    EXPECT_EQ(*reader.read(content.size()), content);
+    EXPECT_TRUE(reader.finish());
   }
 }
 

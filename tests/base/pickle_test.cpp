@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "formats/containers/npz.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -47,21 +47,20 @@ std::string two_arrays() {
 
 TEST(PickleTest, RoundTrips) {
   const std::string bytes = two_arrays();
-  const auto read = read_pickle(bytes, "x.pkl");
-  ASSERT_TRUE(read.has_value()) << describe(read.error());
-  const PickleNode& root = read->root();
-  EXPECT_THAT(read->keys(root), ::testing::ElementsAre("doubles", "floats", "fps", "far", "step",
-                                                       "nothing", "names"));
-  const NpyArray& floats = read->array(*read->find(root, "floats"));
+  const auto read = value_of(read_pickle(bytes, "x.pkl"));
+  const PickleNode& root = read.root();
+  EXPECT_THAT(read.keys(root), ::testing::ElementsAre("doubles", "floats", "fps", "far", "step",
+                                                      "nothing", "names"));
+  const NpyArray& floats = read.array(*read.find(root, "floats"));
   EXPECT_EQ(floats.item_size, 4U);
   EXPECT_THAT(floats.shape, ::testing::ElementsAre(3, 2));
   EXPECT_THAT(floats.numbers(), ::testing::ElementsAre(1, 2, 3, 4, 5, 6));
-  EXPECT_EQ(read->number(*read->find(root, "fps")), 30.0);
-  EXPECT_EQ(read->number(*read->find(root, "far")), -5e9);
-  EXPECT_EQ(read->number(*read->find(root, "step")), -0.125);
-  EXPECT_EQ(read->find(root, "nothing")->kind, Kind::kNone);
-  EXPECT_EQ(read->at(read->find(root, "names")->items[1]).text, "b");
-  EXPECT_EQ(read->find(root, "other"), nullptr);
+  EXPECT_EQ(read.number(*read.find(root, "fps")), 30.0);
+  EXPECT_EQ(read.number(*read.find(root, "far")), -5e9);
+  EXPECT_EQ(read.number(*read.find(root, "step")), -0.125);
+  EXPECT_EQ(read.find(root, "nothing")->kind, Kind::kNone);
+  EXPECT_EQ(read.at(read.find(root, "names")->items[1]).text, "b");
+  EXPECT_EQ(read.find(root, "other"), nullptr);
 }
 
 TEST(PickleTest, EveryTruncationIsAnError) {
@@ -119,11 +118,10 @@ TEST(PickleTest, ReadsStringsOfPython2) {
       "cnumpy\ndtype\nq\x06U\x02"
       "f8K\0K\x01\x87Rq\x07(K\x03U\x01<NNNJ\xff\xff\xff\xffJ\xff\xff\xff\xffK\0tb\x89"
       "T\x10\0\0\0\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\xe0\x3ftbU\x04nameU\x04walku."s;
-  const auto read = read_pickle(bytes, "x.pkl");
-  ASSERT_TRUE(read.has_value()) << describe(read.error());
-  EXPECT_THAT(read->array(*read->find(read->root(), "pose")).numbers(),
+  const auto read = value_of(read_pickle(bytes, "x.pkl"));
+  EXPECT_THAT(read.array(*read.find(read.root(), "pose")).numbers(),
               ::testing::ElementsAre(1.0, 0.5));
-  EXPECT_EQ(read->find(read->root(), "name")->text, "walk");
+  EXPECT_EQ(read.find(read.root(), "name")->text, "walk");
 }
 
 TEST(PickleTest, EscapesControlCharactersInNames) {
@@ -190,9 +188,8 @@ TEST(PickleTest, ReadsAsManyValuesAsTheFileHasBytesFor) {
   }
   pickle.end_list();
   const std::string bytes = pickle.finish();
-  const auto document = read_pickle(bytes, "x.pkl");
-  ASSERT_TRUE(document) << describe(document.error());
-  EXPECT_EQ(document->root().items.size(), std::size_t{kRows});
+  const auto document = value_of(read_pickle(bytes, "x.pkl"));
+  EXPECT_EQ(document.root().items.size(), std::size_t{kRows});
   // Values that need a single byte are too many for the size of their file.
   const std::string nones = "\x80\x02" + std::string(9'000'000, 'N');
   EXPECT_THAT(pickle_error(nones + "."), HasSubstr("more than 2250000 values"));
@@ -240,9 +237,8 @@ std::string compressed(const std::string& bytes) {
 TEST(PickleTest, ReadsCompressedJoblibFiles) {
   const std::string packed = compressed(two_arrays());
   ASSERT_TRUE(looks_like_pickle(packed));
-  const auto read = read_pickle(packed, "x.pkl");
-  ASSERT_TRUE(read.has_value()) << describe(read.error());
-  EXPECT_EQ(read->number(*read->find(read->root(), "fps")), 30.0);
+  const auto read = value_of(read_pickle(packed, "x.pkl"));
+  EXPECT_EQ(read.number(*read.find(read.root(), "fps")), 30.0);
   EXPECT_THAT(pickle_error(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
   EXPECT_THAT(pickle_error(compressed("no pickle")),
               HasSubstr("the compressed file does not contain a pickle"));
@@ -278,9 +274,8 @@ TEST(PickleTest, WritesStringsAsUtf8) {
   pickle.integer(1);
   pickle.end_dict();
   const std::string bytes = pickle.finish();
-  const auto read = read_pickle(bytes, "x.pkl");
-  ASSERT_TRUE(read.has_value());
-  EXPECT_THAT(read->keys(read->root()), ::testing::ElementsAre("bad\xEF\xBF\xBD name"));
+  const auto read = value_of(read_pickle(bytes, "x.pkl"));
+  EXPECT_THAT(read.keys(read.root()), ::testing::ElementsAre("bad\xEF\xBF\xBD name"));
 }
 
 // joblib's array: wrapper, state, padding, raw bytes.
@@ -302,10 +297,9 @@ TEST(PickleTest, ReadsJoblibArrays) {
   const std::string aligned = "\x8c\x1bnumpy_array_alignment_bytesK\x10";
   for (const std::string& bytes :
        {joblib_array(aligned, "\x02\xff\xff" + data + "."), joblib_array("", data + ".")}) {
-    const auto read = read_pickle(bytes, "x.pkl");
-    ASSERT_TRUE(read.has_value()) << describe(read.error());
+    const auto read = value_of(read_pickle(bytes, "x.pkl"));
     // Fortran order: the file has one column after the other.
-    EXPECT_THAT(read->array(read->root()).numbers(), ::testing::ElementsAre(1, 3, 2, 4));
+    EXPECT_THAT(read.array(read.root()).numbers(), ::testing::ElementsAre(1, 3, 2, 4));
     EXPECT_FALSE(read_pickle(bytes.substr(0, bytes.size() - 3), "x.pkl").has_value());
   }
 }

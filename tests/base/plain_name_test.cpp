@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <string>
 #include <string_view>
 
 #include "support/temporary_folder.h"

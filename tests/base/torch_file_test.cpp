@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/torch_builder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -90,9 +91,8 @@ TEST(TorchFileTest, ReadsViews) {
   EXPECT_THAT(numbers_of(one_to_six({{3, 2}, 4, {0, 1}})), ElementsAre(5, 6, 5, 6, 5, 6));
   EXPECT_THAT(numbers_of(one_to_six({{}, 5, {}})), ElementsAre(6));
   EXPECT_THAT(numbers_of(one_to_six({{0, 3}, 6, {}})), ElementsAre());
-  const auto array = read_root(one_to_six({{3, 2}, 0, {}}));
-  ASSERT_TRUE(array.has_value());
-  EXPECT_THAT(array->shape, ElementsAre(3, 2));
+  const auto array = value_of(read_root(one_to_six({{3, 2}, 0, {}})));
+  EXPECT_THAT(array.shape, ElementsAre(3, 2));
 }
 
 TEST(TorchFileTest, ReadsPackedStoragesAndPlainValues) {
@@ -107,14 +107,12 @@ TEST(TorchFileTest, ReadsPackedStoragesAndPlainValues) {
       TorchBuilder::call(TorchBuilder::global("torch", "device"), {TorchBuilder::text("cpu")});
   const std::string bytes = builder.build(TorchBuilder::dictionary(
       {{"weight", parameter}, {"size", size}, {"device", device}, {"fps", "K\x1e"}}));
-  const auto file = TorchFile::open(bytes, "x.pt");
-  ASSERT_TRUE(file.has_value()) << describe(file.error());
-  const PickleDocument& document = file->document();
+  const auto file = value_of(TorchFile::open(bytes, "x.pt"));
+  const PickleDocument& document = file.document();
   const PickleNode& root = document.root();
   EXPECT_THAT(document.keys(root), ElementsAre("weight", "size", "device", "fps"));
-  const auto weight = file->read(*document.find(root, "weight"), "weight");
-  ASSERT_TRUE(weight.has_value()) << describe(weight.error());
-  EXPECT_THAT(weight->numbers(), ElementsAre(1, 2));
+  const auto weight = value_of(file.read(*document.find(root, "weight"), "weight"));
+  EXPECT_THAT(weight.numbers(), ElementsAre(1, 2));
   EXPECT_EQ(document.find(root, "device")->text, "cpu");
   EXPECT_EQ(document.number(*document.find(root, "fps")), 30.0);
 }

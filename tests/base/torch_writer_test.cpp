@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <string>
 
 #include "formats/containers/npz.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -26,23 +26,19 @@ TEST(TorchWriterTest, WrittenFilesCanBeRead) {
     torch.tensor("flags", bool_array(flags, {2}));
     return torch.finish("motion");
   };
-  const auto bytes = write();
-  ASSERT_TRUE(bytes) << describe(bytes.error());
-  EXPECT_EQ(*bytes, *write());
-  EXPECT_TRUE(is_torch_file(*bytes));
-  const auto file = TorchFile::open(*bytes, "file.pt");
-  ASSERT_TRUE(file) << describe(file.error());
-  const PickleDocument& document = file->document();
+  const auto bytes = value_of(write());
+  EXPECT_EQ(bytes, *write());
+  EXPECT_TRUE(is_torch_file(bytes));
+  const auto file = value_of(TorchFile::open(bytes, "file.pt"));
+  const PickleDocument& document = file.document();
   EXPECT_EQ(document.number(*document.find(document.root(), "fps")), 30.0);
   EXPECT_EQ(document.number(*document.find(document.root(), "rate")), 29.97);
   EXPECT_EQ(document.find(document.root(), "state_conversion")->text, "common");
-  const auto pose = file->read(*document.find(document.root(), "pose"), "pose");
-  ASSERT_TRUE(pose) << describe(pose.error());
-  EXPECT_THAT(pose->shape, ElementsAre(2, 3));
-  EXPECT_THAT(pose->numbers(), ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0, 6.5));
-  const auto read = file->read(*document.find(document.root(), "flags"), "flags");
-  ASSERT_TRUE(read) << describe(read.error());
-  EXPECT_THAT(read->numbers(), ElementsAre(0.0, 1.0));
+  const auto pose = value_of(file.read(*document.find(document.root(), "pose"), "pose"));
+  EXPECT_THAT(pose.shape, ElementsAre(2, 3));
+  EXPECT_THAT(pose.numbers(), ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0, 6.5));
+  const auto read = value_of(file.read(*document.find(document.root(), "flags"), "flags"));
+  EXPECT_THAT(read.numbers(), ElementsAre(0.0, 1.0));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -58,19 +58,18 @@ TEST(ManifestLine, RoundTrips) {
   entry.quality = ClipQuality{{{"jumps", 2.0}, {"limit_pct", 0.5}}, {"jumps"}, "jumps", HUGE_VAL};
   const std::string line = manifest_line(entry);
   EXPECT_EQ(line.find('\n'), line.size() - 1);
-  const auto read = parse_manifest_line(line);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(manifest_line(*read), line);
-  EXPECT_EQ(read->input.modified_ns, entry.input.modified_ns);
-  EXPECT_EQ(read->input.bytes, entry.input.bytes);
-  EXPECT_EQ(read->outputs.at(1).hash, "01");
-  EXPECT_EQ(read->error->location.column, 4U);
-  EXPECT_EQ(read->error->hint, "that");
-  EXPECT_EQ(read->exit_code, 3);
-  EXPECT_EQ(read->config, "robots/r/ik.json");
-  EXPECT_EQ(read->quality->figures.at(1).second, 0.5);
-  EXPECT_EQ(read->quality->worst_ratio, HUGE_VAL);
-  EXPECT_FALSE(read->done);
+  const auto read = parse_manifest_line(line).value();
+  EXPECT_EQ(manifest_line(read), line);
+  EXPECT_EQ(read.input.modified_ns, entry.input.modified_ns);
+  EXPECT_EQ(read.input.bytes, entry.input.bytes);
+  EXPECT_EQ(read.outputs.at(1).hash, "01");
+  EXPECT_EQ(read.error->location.column, 4U);
+  EXPECT_EQ(read.error->hint, "that");
+  EXPECT_EQ(read.exit_code, 3);
+  EXPECT_EQ(read.config, "robots/r/ik.json");
+  EXPECT_EQ(read.quality->figures.at(1).second, 0.5);
+  EXPECT_EQ(read.quality->worst_ratio, HUGE_VAL);
+  EXPECT_FALSE(read.done);
 }
 
 TEST(ManifestLine, NonUtf8NamesRoundTrip) {
@@ -78,19 +77,19 @@ TEST(ManifestLine, NonUtf8NamesRoundTrip) {
   entry.outputs = {{"a\xff\xfe/b.csv", 1, 1, ""}};
   const std::string line = manifest_line(entry);
   EXPECT_THAT(line, Not(HasSubstr("\xff")));
-  const auto read = parse_manifest_line(line);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->relative, entry.relative);
-  EXPECT_EQ(read->outputs.at(0).file, "a\xff\xfe/b.csv");
+  const auto read = parse_manifest_line(line).value();
+  EXPECT_EQ(read.relative, entry.relative);
+  EXPECT_EQ(read.outputs.at(0).file, "a\xff\xfe/b.csv");
 }
 
 TEST(ManifestLine, SkipsUnknownMembersAndWrongTypes) {
-  const auto read = parse_manifest_line(
-      R"({"later": [1], "relative": "a.bvh", "status": "done", "frames": "many", "input": 3,
-          "outputs": {"x": 1}, "quality": [], "warnings": [1, "w"]})");
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->frames, 0);
-  EXPECT_THAT(read->warnings, ElementsAre("w"));
+  const auto read =
+      parse_manifest_line(
+          R"({"later": [1], "relative": "a.bvh", "status": "done", "frames": "many", "input": 3,
+          "outputs": {"x": 1}, "quality": [], "warnings": [1, "w"]})")
+          .value();
+  EXPECT_EQ(read.frames, 0);
+  EXPECT_THAT(read.warnings, ElementsAre("w"));
 }
 
 TEST(ManifestLine, RejectsLinesThatAreNotEntries) {
@@ -105,20 +104,18 @@ TEST(Manifest, ReadsTruncatedFilesUpToTheLastWholeLine) {
   const std::string whole = manifest_line(entry_of("a.bvh")) + manifest_line(entry_of("b.bvh"));
   const std::size_t first = whole.find('\n') + 1;
   for (std::size_t size = 0; size <= whole.size(); ++size) {
-    const auto read = read_manifest(folder.write("m", whole.substr(0, size)));
-    ASSERT_TRUE(read);
+    const auto read = value_of(read_manifest(folder.write("m", whole.substr(0, size))));
     // A line that only lacks its line feed is complete.
     const std::size_t complete = size + 1 >= whole.size() ? 2 : size + 1 >= first ? 1 : 0;
-    EXPECT_EQ(read->entries.size(), complete) << size;
+    EXPECT_EQ(read.entries.size(), complete) << size;
     const bool torn = size != 0 && size != first && size + 1 != first && size + 1 < whole.size();
-    EXPECT_EQ(read->unreadable, torn ? 1 : 0) << size;
+    EXPECT_EQ(read.unreadable, torn ? 1 : 0) << size;
   }
 }
 
 TEST(Manifest, MissingFileIsEmpty) {
-  const auto read = read_manifest("no/such/manifest");
-  ASSERT_TRUE(read);
-  EXPECT_TRUE(read->entries.empty());
+  const auto read = value_of(read_manifest("no/such/manifest"));
+  EXPECT_TRUE(read.entries.empty());
 }
 
 TEST(Manifest, ConcurrentLinesAreWhole) {
@@ -126,23 +123,21 @@ TEST(Manifest, ConcurrentLinesAreWhole) {
   const std::string path = (folder.path() / "m").string();
   const std::vector<ManifestEntry> kept = {entry_of("kept.bvh")};
   {
-    auto writer = ManifestWriter::begin(path, kept);
-    ASSERT_TRUE(writer);
+    auto writer = value_of(ManifestWriter::begin(path, kept));
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t) {
       threads.emplace_back([&, t] {
         for (int i = 0; i < 25; ++i) {
-          EXPECT_TRUE((*writer)->append(entry_of(std::to_string(100 * t + i) + ".bvh")));
+          EXPECT_TRUE(writer->append(entry_of(std::to_string(100 * t + i) + ".bvh")));
         }
       });
     }
     for (std::thread& thread : threads) thread.join();
   }
-  const auto read = read_manifest(path);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->entries.size(), 101U);
-  EXPECT_EQ(read->unreadable, 0);
-  EXPECT_EQ(read->entries.front().relative, "kept.bvh");
+  const auto read = value_of(read_manifest(path));
+  EXPECT_EQ(read.entries.size(), 101U);
+  EXPECT_EQ(read.unreadable, 0);
+  EXPECT_EQ(read.entries.front().relative, "kept.bvh");
   EXPECT_EQ(text_of(path).back(), '\n');
 }
 
@@ -178,12 +173,11 @@ TEST(Manifest, IgnoresLinesThatNameOutsideFiles) {
   entries[6].outputs = {{"a/../../b.csv", 1, 1, ""}};
   std::string text;
   for (const ManifestEntry& entry : entries) text += manifest_line(entry);
-  const auto content = read_manifest(folder.write("manifest.jsonl", text));
-  ASSERT_TRUE(content);
-  EXPECT_EQ(content->entries.size(), 1U);
-  EXPECT_EQ(content->outside, 6);
-  EXPECT_EQ(content->outside_name, "../victim.txt");
-  EXPECT_EQ(content->unreadable, 0);
+  const auto content = value_of(read_manifest(folder.write("manifest.jsonl", text)));
+  EXPECT_EQ(content.entries.size(), 1U);
+  EXPECT_EQ(content.outside, 6);
+  EXPECT_EQ(content.outside_name, "../victim.txt");
+  EXPECT_EQ(content.unreadable, 0);
 }
 
 TEST(Manifest, ClockSkewDoesNotChangeTheLatestEntry) {

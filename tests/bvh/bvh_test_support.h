@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "formats/bvh/read_bvh.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -46,10 +47,7 @@ inline Result<BvhFile> read_exactly(std::string_view text, const BvhReadOptions&
 
 /// Returns the clip of a valid text.
 inline Clip clip_of(std::string_view text, const BvhReadOptions& options = {}) {
-  Result<BvhFile> file = read_exactly(text, options);
-  EXPECT_TRUE(file.has_value()) << describe(file.error());
-  if (file) return file->clip;
-  return {std::make_shared<const Skeleton>(std::vector<Joint>(1)), FrameRate{}, 0};
+  return value_of(read_exactly(text, options)).clip;
 }
 
 /// Asserts bit-identical motions. Ignores names, channels and end sites.

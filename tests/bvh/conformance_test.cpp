@@ -7,12 +7,12 @@
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "base/option_name.h"
 #include "bvh_test_support.h"
 #include "formats/bvh/read_bvh.h"
 #include "support/shared_data.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -225,16 +225,14 @@ TEST_F(Quirks, OptionsAcceptTheirFiles) {
   expect_same_motion(clip_of(text("27"), hips), reference);
   BvhReadOptions prop;
   prop.root = "Prop";
-  const Result<BvhFile> second = read_exactly(text("27"), prop);
-  ASSERT_TRUE(second.has_value());
-  EXPECT_EQ(second->clip.skeleton().joint_count(), 1);
+  const auto second = value_of(read_exactly(text("27"), prop));
+  EXPECT_EQ(second.clip.skeleton().joint_count(), 1);
   // Reads only the skeleton.
   BvhReadOptions skeleton;
   skeleton.motion_optional = true;
-  const Result<BvhFile> alone = read_exactly(text("41"), skeleton);
-  ASSERT_TRUE(alone.has_value());
-  EXPECT_EQ(alone->clip.frame_count(), 0);
-  EXPECT_EQ(alone->clip.skeleton().joint_count(), 18);
+  const auto alone = value_of(read_exactly(text("41"), skeleton));
+  EXPECT_EQ(alone.clip.frame_count(), 0);
+  EXPECT_EQ(alone.clip.skeleton().joint_count(), 18);
   EXPECT_FALSE(read_exactly(text("42"), skeleton).has_value());
 }
 
@@ -245,15 +243,13 @@ TEST_F(Quirks, LenientKeepsCompleteRows) {
   const Clip first = cut(reference, 0, 1);
   for (const char* number : {"16", "25"}) {
     SCOPED_TRACE(number);
-    const Result<BvhFile> file = read_exactly(text(number), lenient);
-    ASSERT_TRUE(file.has_value());
-    expect_same_motion(file->clip, first);
-    EXPECT_THAT(warnings_of(*file), HasSubstr("kept 1 of 2 declared rows"));
+    const auto file = value_of(read_exactly(text(number), lenient));
+    expect_same_motion(file.clip, first);
+    EXPECT_THAT(warnings_of(file), HasSubstr("kept 1 of 2 declared rows"));
   }
-  const Result<BvhFile> more = read_exactly(text("15"), lenient);
-  ASSERT_TRUE(more.has_value());
-  expect_same_motion(more->clip, reference);
-  EXPECT_THAT(warnings_of(*more), HasSubstr("kept 2 of 5 declared rows"));
+  const auto more = value_of(read_exactly(text("15"), lenient));
+  expect_same_motion(more.clip, reference);
+  EXPECT_THAT(warnings_of(more), HasSubstr("kept 2 of 5 declared rows"));
   // No complete row remains.
   for (const char* number : {"05", "13", "42"}) {
     EXPECT_FALSE(read_exactly(text(number), lenient).has_value()) << number;

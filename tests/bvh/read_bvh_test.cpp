@@ -11,6 +11,7 @@
 
 #include "bvh_test_support.h"
 #include "retarget/clip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -110,12 +111,11 @@ TEST(ReadBvh, AllZeroPositionsKeepTheOffset) {
       "HIERARCHY\nROOT a\n{ OFFSET 7 8 9 CHANNELS 3 Xposition Yposition Zposition\n"
       "JOINT b\n{ OFFSET 1 2 3 CHANNELS 3 Xposition Yposition Zposition } }\n"
       "MOTION\nFrames: 2\nFrame Time: 0.1\n";
-  const Result<BvhFile> still = read_exactly(hierarchy + "0 0 0 0 0 0\n0 0 0 0 -0 0\n");
-  ASSERT_TRUE(still.has_value());
-  EXPECT_EQ(still->clip.translation(0, 0), Eigen::Vector3d::Zero());
-  EXPECT_EQ(still->clip.translation(1, 1), Eigen::Vector3d(1, 2, 3));
-  ASSERT_EQ(still->warnings.size(), 1U);
-  EXPECT_THAT(still->warnings[0].message, HasSubstr("the OFFSET is used for \"b\""));
+  const auto still = value_of(read_exactly(hierarchy + "0 0 0 0 0 0\n0 0 0 0 -0 0\n"));
+  EXPECT_EQ(still.clip.translation(0, 0), Eigen::Vector3d::Zero());
+  EXPECT_EQ(still.clip.translation(1, 1), Eigen::Vector3d(1, 2, 3));
+  ASSERT_EQ(still.warnings.size(), 1U);
+  EXPECT_THAT(still.warnings[0].message, HasSubstr("the OFFSET is used for \"b\""));
   // A channel that differs from 0 by a significant part of the OFFSET is a position.
   const Clip moved = clip_of(hierarchy + "0 0 0 0 0 0\n0 0 0 0 0 0.5\n");
   EXPECT_EQ(moved.translation(0, 1), Eigen::Vector3d::Zero());
@@ -135,9 +135,7 @@ std::string chain_with_positions(const std::vector<std::string>& rows) {
 }
 
 BvhFile read_chain(const std::vector<std::string>& rows) {
-  auto file = read_exactly(chain_with_positions(rows));
-  EXPECT_TRUE(file.has_value()) << describe(file.error());
-  return std::move(*file);
+  return value_of(read_exactly(chain_with_positions(rows)));
 }
 
 TEST(ReadBvh, AddsPositionsNearZeroToTheOffset) {
@@ -194,10 +192,9 @@ TEST(ReadBvh, FrameTimesGiveExactRates) {
 }
 
 TEST(ReadBvh, WarnsOfAWrongFrameCount) {
-  const Result<BvhFile> file = read_exactly(motion("1", rows(2)));
-  ASSERT_TRUE(file.has_value());
-  ASSERT_EQ(file->warnings.size(), 1U);
-  EXPECT_EQ(describe(file->warnings[0], "a.bvh"),
+  const auto file = value_of(read_exactly(motion("1", rows(2))));
+  ASSERT_EQ(file.warnings.size(), 1U);
+  EXPECT_EQ(describe(file.warnings[0], "a.bvh"),
             "a.bvh:17:9: warning: Frames declares 1, the file has 2 rows: all are read");
 }
 
@@ -262,9 +259,8 @@ TEST(ReadBvh, CanReadOnlyTheSkeleton) {
   EXPECT_THAT(error_of(kHierarchy), HasSubstr("test.bvh:16:1: error: expected MOTION"));
   BvhReadOptions options;
   options.motion_optional = true;
-  const Result<BvhFile> file = read_exactly(kHierarchy, options);
-  ASSERT_TRUE(file.has_value());
-  EXPECT_EQ(file->clip.frame_count(), 0);
+  const auto file = value_of(read_exactly(kHierarchy, options));
+  EXPECT_EQ(file.clip.frame_count(), 0);
   // The available part of MOTION is still checked.
   EXPECT_FALSE(read_exactly(std::string(kHierarchy) + "MOTION\n", options).has_value());
   EXPECT_FALSE(read_exactly(motion("3", ""), options).has_value());
@@ -329,14 +325,13 @@ TEST(ReadBvh, CountsLinesForAllLineEndings) {
 // Oddities that pass with a warning.
 
 TEST(ReadBvh, WarnsOncePerKindInOrder) {
-  const Result<BvhFile> file = read_exactly(
+  const auto file = value_of(read_exactly(
       "HIERARCHY\n# one\nROOT a\n{\nOFFSET 0 0 0 1 2 3\n// two\nCHANNELS 2 Xscale Xrotation\n"
       "JOINT b\n{\nOFFSET 0 0 0 9\n}\nJOINT b\n{\nOFFSET 0 0 0\nCHANNELS 0\n"
       "End Site\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\n}\n}\n"
-      "MOTION\n# three\nFrames: 1\nFrame Time: 0.04\n# four\n1 0 # five\n1 90\n\nFOOT 1 2\n");
-  ASSERT_TRUE(file.has_value()) << describe(file.error());
+      "MOTION\n# three\nFrames: 1\nFrame Time: 0.04\n# four\n1 0 # five\n1 90\n\nFOOT 1 2\n"));
   EXPECT_EQ(
-      warnings_of(*file),
+      warnings_of(file),
       "test.bvh:2:1: warning: comment lines skipped\n"
       "test.bvh:5:14: warning: 2 OFFSETs with more than three numbers: the first three are used\n"
       "test.bvh:7:12: warning: 1 scale channel ignored\n"
@@ -347,7 +342,7 @@ TEST(ReadBvh, WarnsOncePerKindInOrder) {
       "test.bvh:25:9: warning: Frames declares 1, the file has 2 rows: all are read\n"
       "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and the "
       "rest\n");
-  EXPECT_EQ(file->clip.frame_count(), 2);
+  EXPECT_EQ(file.clip.frame_count(), 2);
 }
 
 // Rejections.
@@ -461,53 +456,47 @@ TEST(ReadBvh, UnreadableFilesAreErrors) {
 TEST(ReadBvh, LenientSkipsDamagedLines) {
   for (const char* bad : {"9 2 3 nan 20 30 40 50 60\n", "9 2 3 10 20 30 40 50\n", "x\n",
                           "9 2 3 10 20 30 40 50 60 70\n", "9 2 3 10 2x0 30 40 50 60\n"}) {
-    const Result<BvhFile> file =
-        read_exactly(motion("5", row(0) + row(1) + bad + row(3) + row(4)), lenient());
-    ASSERT_TRUE(file.has_value()) << bad;
-    EXPECT_THAT(first_values(file->clip), ElementsAre(0, 1, 3, 4)) << bad;
-    ASSERT_EQ(file->warnings.size(), 1U);
-    EXPECT_EQ(file->warnings[0].line, 21U);
+    const auto file =
+        value_of(read_exactly(motion("5", row(0) + row(1) + bad + row(3) + row(4)), lenient()));
+    EXPECT_THAT(first_values(file.clip), ElementsAre(0, 1, 3, 4)) << bad;
+    ASSERT_EQ(file.warnings.size(), 1U);
+    EXPECT_EQ(file.warnings[0].line, 21U);
     EXPECT_THAT(
-        file->warnings[0].message,
+        file.warnings[0].message,
         HasSubstr(
             ": kept 4 of 5 declared rows; dropped 1 damaged line, later frames come earlier"));
   }
 }
 
 TEST(ReadBvh, LenientResynchronisesAfterAShift) {
-  const Result<BvhFile> file = read_exactly(
+  const auto file = value_of(read_exactly(
       motion("4", row(0) + "1 2 3 10 20 30 40 50 60 70\n" + "2 3 10 20 30 40 50 60\n" + row(3)),
-      lenient());
-  ASSERT_TRUE(file.has_value());
-  EXPECT_THAT(first_values(file->clip), ElementsAre(0, 3));
-  EXPECT_THAT(warnings_of(*file), HasSubstr("dropped 2 damaged lines"));
+      lenient()));
+  EXPECT_THAT(first_values(file.clip), ElementsAre(0, 3));
+  EXPECT_THAT(warnings_of(file), HasSubstr("dropped 2 damaged lines"));
 }
 
 TEST(ReadBvh, LenientKeepsCompleteFramesOfWrappedRows) {
   const std::string wrapped = "0 2 3 10 20\n30 40 50 60\n1 2 3 10 20\n30 40 50 60\n";
-  const Result<BvhFile> file =
-      read_exactly(motion("4", wrapped + "2 2 nan 10 20\n30 40 50 60\n" + wrapped), lenient());
-  ASSERT_TRUE(file.has_value());
-  EXPECT_THAT(first_values(file->clip), ElementsAre(0, 1));
-  EXPECT_THAT(warnings_of(*file), HasSubstr("the rest of the file was dropped"));
+  const auto file = value_of(
+      read_exactly(motion("4", wrapped + "2 2 nan 10 20\n30 40 50 60\n" + wrapped), lenient()));
+  EXPECT_THAT(first_values(file.clip), ElementsAre(0, 1));
+  EXPECT_THAT(warnings_of(file), HasSubstr("the rest of the file was dropped"));
 
-  const Result<BvhFile> shared = read_exactly(
-      motion("4", "0 2 3 10 20 30 40 50 60 1 2 3 10 20 30 40 50 60 2 2 nan"), lenient());
-  ASSERT_TRUE(shared.has_value());
-  EXPECT_THAT(first_values(shared->clip), ElementsAre(0, 1));
+  const auto shared = value_of(read_exactly(
+      motion("4", "0 2 3 10 20 30 40 50 60 1 2 3 10 20 30 40 50 60 2 2 nan"), lenient()));
+  EXPECT_THAT(first_values(shared.clip), ElementsAre(0, 1));
 }
 
 TEST(ReadBvh, LenientWarnsAndNeedsACompleteFrame) {
-  const Result<BvhFile> few = read_exactly(motion("5", rows(3)), lenient());
-  ASSERT_TRUE(few.has_value());
-  EXPECT_THAT(warnings_of(*few), HasSubstr("found 3 before the end of the file: kept 3 of 5"));
+  const auto few = value_of(read_exactly(motion("5", rows(3)), lenient()));
+  EXPECT_THAT(warnings_of(few), HasSubstr("found 3 before the end of the file: kept 3 of 5"));
   EXPECT_FALSE(read_exactly(motion("5", ""), lenient()).has_value());
   EXPECT_FALSE(read_exactly(motion("1", "1 2 3"), lenient()).has_value());
   EXPECT_FALSE(read_exactly(motion("x", rows(3)), lenient()).has_value());
   // A valid file causes no warning.
-  const Result<BvhFile> good = read_exactly(motion("2", rows(2)), lenient());
-  ASSERT_TRUE(good.has_value());
-  EXPECT_TRUE(good->warnings.empty());
+  const auto good = value_of(read_exactly(motion("2", rows(2)), lenient()));
+  EXPECT_TRUE(good.warnings.empty());
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "bvh_test_support.h"
 #include "retarget/clip.h"
 #include "support/shared_data.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -111,9 +112,7 @@ void expect_same_clip(const Clip& a, const Clip& b, double tolerance = kToleranc
 }
 
 std::string text_of(const Clip& clip, const BvhWriteOptions& options = {}) {
-  Result<std::string> text = format_bvh(clip, options);
-  EXPECT_TRUE(text.has_value()) << describe(text.error());
-  return text.value_or("");
+  return value_of(format_bvh(clip, options));
 }
 
 TEST(WriteBvh, WritesTheUsualFormat) {
@@ -309,9 +308,8 @@ TEST(WriteBvh, SavesAndLoads) {
   fill_at_random(clip, 9);
   const std::string path = testing::TempDir() + "retarget_write_bvh_test.bvh";
   ASSERT_TRUE(save_bvh(path, clip).has_value());
-  const Result<BvhFile> file = load_bvh(path);
-  ASSERT_TRUE(file.has_value());
-  expect_same_clip(file->clip, clip);
+  const auto file = value_of(load_bvh(path));
+  expect_same_clip(file.clip, clip);
   std::filesystem::remove(path);
 
   clip.rotations(1)[0].x() = std::numeric_limits<double>::infinity();
@@ -327,9 +325,8 @@ TEST(WriteBvh, RealFilesRoundTrip) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(*shared / "data/dialects")) {
     SCOPED_TRACE(entry.path());
-    const Result<BvhFile> file = load_bvh(entry.path().string());
-    ASSERT_TRUE(file.has_value()) << describe(file.error());
-    const Clip clip = cut(file->clip, 0, std::min(file->clip.frame_count(), 100));
+    const auto file = value_of(load_bvh(entry.path().string()));
+    const Clip clip = cut(file.clip, 0, std::min(file.clip.frame_count(), 100));
     expect_same_clip(clip_of(text_of(clip)), clip);
     ++count;
   }

@@ -5,12 +5,8 @@ import pickle
 import unittest
 
 from motion_formats import GOLDEN, FormatsTest
+from optional_numpy import numpy as np
 from tool import SHARED, ToolTest, read_rows, sample
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 
 class Conversions(FormatsTest):

@@ -7,12 +7,8 @@ import subprocess
 import sys
 import unittest
 
+from optional_numpy import numpy
 from tool import SOURCE, ToolTest, read_rows, sample
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
 SLACK = 1e-9  # Tolerance for numbers with six digits.
 

@@ -8,12 +8,8 @@ import sys
 import unittest
 
 from motion_formats import FORMATS, GOLDEN, FormatsTest
+from optional_numpy import numpy as np
 from tool import SOURCE, sample
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 G1 = SOURCE / "robots" / "unitree_g1"
 # Isaac Lab's order of the G1's joints, without "_joint".

@@ -5,12 +5,8 @@ import math
 import re
 import unittest
 
+from optional_numpy import numpy
 from tool import ToolTest, read_rows, sample, short_clip
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
 FRAMES = 90
 

@@ -4,12 +4,8 @@ import csv
 import io
 import json
 
+from optional_numpy import numpy
 from tool import ToolTest
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
 
 class PositionsTest(ToolTest):

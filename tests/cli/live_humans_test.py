@@ -8,12 +8,9 @@ import time
 import unittest
 
 from live_test import LiveTest
+from optional_numpy import numpy
 from tool import SOURCE, absent, difference, read_rows, sample, short_clip
 
-try:
-    import numpy
-except ImportError:
-    numpy = None
 # Third-party clients installed by tools/setup.sh --python.
 sys.path.append(str(SOURCE / "build/deps/python"))
 try:  # From PyPI: python-osc.

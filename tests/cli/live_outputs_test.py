@@ -18,12 +18,8 @@ import unittest
 import xml.etree.ElementTree
 
 from live_test import LiveTest
+from optional_numpy import numpy
 from tool import SOURCE, absent, is_sanitized, sample, short_clip, unwrapped
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
 SERVER = shutil.which("redis-server") or shutil.which("valkey-server")
 CLIENT = shutil.which("redis-cli") or shutil.which("valkey-cli")

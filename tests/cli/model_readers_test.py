@@ -9,12 +9,8 @@ import random
 import unittest
 import xml.etree.ElementTree as ElementTree
 
+from optional_numpy import numpy as np
 from tool import SOURCE, ToolTest, absent
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 UNREAD_ROTATIONS = ("euler", "axisangle", "xyaxes", "zaxis")
 

@@ -2,12 +2,8 @@
 
 import pickle
 
+from optional_numpy import numpy as np
 from tool import SOURCE, ToolTest, difference
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 GOLDEN = SOURCE / "tests" / "golden"
 FORMATS = {"csv": "out.csv", "csv-soma": "out.soma.csv", "npz-mjlab": "out.mjlab.npz",

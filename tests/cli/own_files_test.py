@@ -5,12 +5,8 @@ import shutil
 import unittest
 
 from motion_formats import FormatsTest
+from optional_numpy import numpy as np
 from tool import SOURCE, sample
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 ROBOTS = sorted(file.parent.name for file in [*SOURCE.glob("robots/*/robot.json"),
                                               *SOURCE.glob("robots/unverified/*/robot.json")])

@@ -4,12 +4,8 @@ import json
 import unittest
 
 from batch_runs import BatchTest
+from optional_numpy import numpy as np
 from tool import short_clip
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 NPZ = ("--format", "npz-mjlab", "--pack", "motions.npz")
 FRAMES = {"b": 9, "a": 14, "sub/c": 6, "ä": 11}

@@ -4,12 +4,8 @@ import csv
 import json
 import unittest
 
+from optional_numpy import numpy as np
 from tool import ToolTest, absent, sample
-
-try:
-    import numpy as np
-except ImportError:
-    np = None
 
 
 class References(ToolTest):

@@ -7,12 +7,8 @@ import subprocess
 import sys
 import unittest
 
+from optional_numpy import numpy
 from tool import SAMPLES, SOURCE, TOOL, ToolTest, difference, needs_posix, read_rows, sample, short_clip
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
 
 class Output(ToolTest):

@@ -4,12 +4,8 @@ import csv
 import json
 import unittest
 
+from optional_numpy import numpy
 from tool import ToolTest, absent, raised_clip, sample
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
 FRAMES = 60
 # The human squats on the step; a table and a moving crate are beside it.

@@ -16,6 +16,7 @@
 #include "retarget/so3.h"
 #include "robot/shipped_robots.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -61,9 +62,7 @@ RobotClip reference_sway(const std::shared_ptr<const Robot>& robot, int frames) 
 MotionReference reference_of(const RobotClip& clip, double rate) {
   ReferenceOptions options;
   options.rate = frame_rate_from_fps(rate);
-  auto made = make_reference(clip, options);
-  EXPECT_TRUE(made.has_value()) << (made ? "" : describe(made.error()));
-  return made.value_or(MotionReference());
+  return value_of(make_reference(clip, options));
 }
 
 std::span<const double> row_of(const std::vector<double>& values, std::size_t rows,
@@ -338,14 +337,13 @@ TEST(Reference, PendulumTorqueMatchesItsClosedForm) {
 
 TEST(Reference, LimitsHoldBetweenFrames) {
   const auto robot = load_shipped("unitree_g1");
-  const auto limits = load_limits(*robot, robot->limits_for({}));
-  ASSERT_TRUE(limits.has_value());
+  const auto limits = value_of(load_limits(*robot, robot->limits_for({})));
   const int knee = *robot->find_joint("left_knee_joint");
   const int shoulder = *robot->find_joint("left_shoulder_pitch_joint");
   const auto address = [&](int joint) {
     return static_cast<std::size_t>(robot->joints()[static_cast<std::size_t>(joint)].qpos_address);
   };
-  const double top = limits->upper[static_cast<std::size_t>(knee)];
+  const double top = limits.upper[static_cast<std::size_t>(knee)];
   const double step = robot->speed_limit(shoulder) / 30.0;
   RobotClip clip = reference_stand(robot, 60);
   for (int t = 0; t < 60; ++t) {
@@ -418,9 +416,8 @@ TEST(Reference, RejectsWrongRatesAndEmptyMotions) {
   options.rate = {200, 1};
   EXPECT_FALSE(make_reference(RobotClip(robot, {30, 1}, 0), options).has_value());
   for (const int frames : {1, 2, 3}) {
-    const auto made = make_reference(reference_stand(robot, frames), options);
-    ASSERT_TRUE(made.has_value());
-    EXPECT_EQ(made->samples, static_cast<std::size_t>(20 * (frames - 1) / 3 + 1));
+    const auto made = value_of(make_reference(reference_stand(robot, frames), options));
+    EXPECT_EQ(made.samples, static_cast<std::size_t>(20 * (frames - 1) / 3 + 1));
   }
   options.max_bytes = 1000;
   const auto large = make_reference(reference_stand(robot, 30), options);

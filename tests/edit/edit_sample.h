@@ -11,6 +11,7 @@
 #include "human/skeleton/recognise.h"
 #include "retarget/bvh.h"
 #include "retarget/clip.h"
+#include "support/recorded_clip.h"
 
 namespace retarget::edit_test {
 
@@ -40,19 +41,13 @@ struct EditSample {
   }
 };
 
-inline Clip data_clip(const std::string& name) {
-  std::string path = RETARGET_SOURCE_DIR;
-  path.append("/data/").append(name).append(".bvh");
-  return load_bvh(path).value().clip;
-}
-
 inline const EditSample& data_sample(const std::string& name) {
   static std::vector<std::pair<std::string, EditSample>> samples;
   for (const auto& [known, found] : samples) {
     if (known == name) return found;
   }
   samples.reserve(16);
-  return samples.emplace_back(name, EditSample(data_clip(name))).second;
+  return samples.emplace_back(name, EditSample(recorded_clip(name))).second;
 }
 
 /// Largest distance between the joints of two clips of one skeleton, metres.

@@ -70,7 +70,7 @@ TEST(Timing, SpeedIsExactInTime) {
 }
 
 TEST(Timing, SpeedOneIsIdentity) {
-  const Clip walk = data_clip("walk");
+  const Clip walk = recorded_clip("walk");
   EXPECT_EQ(largest_distance(change_speed(walk, 1.0).value(), walk, 0.01), 0.0);
 }
 

@@ -9,14 +9,14 @@
 #include <memory>
 #include <vector>
 
-#include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "retarget/statistics.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"
 #include "solve/targets/support_bodies.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -31,14 +31,10 @@ class BodyContactTest : public testing::Test {
   static void TearDownTestSuite() { robot_.reset(); }
 
   FitResult fitted(const FitOptions& options, int begin = 60, int end = 140) {
-    auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/get_up.bvh");
-    EXPECT_TRUE(clip.has_value());
-    const Clip part = cut(clip->clip, begin, end);
+    const Clip part = cut(recorded_clip("get_up"), begin, end);
     const auto limits = load_limits(*robot_, "official");
-    auto result = fit(part, lafan1_calibration(part.skeleton()), robot_, published_config(*robot_),
-                      *limits, options);
-    EXPECT_TRUE(result.has_value()) << describe(result.error());
-    return std::move(*result);
+    return value_of(fit(part, lafan1_calibration(part.skeleton()), robot_,
+                        published_config(*robot_), *limits, options));
   }
 
   // Measures the robot's supports in phases in which their counterparts support the human.

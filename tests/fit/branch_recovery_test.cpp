@@ -8,14 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <numbers>
 #include <span>
 #include <vector>
 
-#include "retarget/clip_range.h"
 #include "solve/fit/limb_solver.h"
 #include "support/arm_movement.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -35,23 +33,21 @@ TEST(BranchRecovery, MovesArmsToTheBranchThatTracks) {
   for (const char* name : {"unitree_h1", "engineai_pm01"}) {
     SCOPED_TRACE(name);
     const RobotCase robot = robot_case(name);
-    const auto plain = plainly_fitted(clip, robot);
-    const auto recovered = fitted(clip, robot);
-    ASSERT_TRUE(plain.has_value());
-    ASSERT_TRUE(recovered.has_value());
-    EXPECT_THAT(plain->report.notes, Not(Contains(HasSubstr("branch"))));
-    EXPECT_THAT(recovered->report.notes,
+    const auto plain = value_of(plainly_fitted(clip, robot));
+    const auto recovered = value_of(fitted(clip, robot));
+    EXPECT_THAT(plain.report.notes, Not(Contains(HasSubstr("branch"))));
+    EXPECT_THAT(recovered.report.notes,
                 Contains(HasSubstr("the left arm was stuck on a wrong branch in frames ")));
-    EXPECT_THAT(recovered->report.notes,
+    EXPECT_THAT(recovered.report.notes,
                 Contains(HasSubstr("the right arm was stuck on a wrong branch in frames ")));
     // Without recovery, the fit is wrong for about two of five seconds.
-    EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after);
+    EXPECT_LT(recovered.report.status.cost_after, 0.5 * plain.report.status.cost_after);
     const auto rotation = [](const FitReport& report) {
       return std::ranges::find(report.terms, "rotation", &FitTermReport::name)->after;
     };
-    EXPECT_LT(rotation(recovered->report), 0.5 * rotation(plain->report));
+    EXPECT_LT(rotation(recovered.report), 0.5 * rotation(plain.report));
     // The arms are free until they are up.
-    for (int t = 0; t < 5; ++t) EXPECT_TRUE(same(plain->clip, recovered->clip, t)) << t;
+    for (int t = 0; t < 5; ++t) EXPECT_TRUE(same(plain.clip, recovered.clip, t)) << t;
   }
 }
 
@@ -60,11 +56,9 @@ TEST(BranchRecovery, SolvesLongIntervalsInParts) {
   const RobotCase robot = robot_case("unitree_h1");
   FitOptions options;
   options.window = 2.5;
-  const auto recovered = fitted(clip, robot, options);
-  const auto plain = plainly_fitted(clip, robot, options);
-  ASSERT_TRUE(plain.has_value());
-  ASSERT_TRUE(recovered.has_value());
-  EXPECT_LT(recovered->report.status.cost_after, 0.6 * plain->report.status.cost_after);
+  const auto recovered = value_of(fitted(clip, robot, options));
+  const auto plain = value_of(plainly_fitted(clip, robot, options));
+  EXPECT_LT(recovered.report.status.cost_after, 0.6 * plain.report.status.cost_after);
 }
 
 TEST(BranchRecovery, IsIndependentOfTheThreadCount) {

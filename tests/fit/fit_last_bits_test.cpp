@@ -7,10 +7,11 @@
 #include <random>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -45,35 +46,25 @@ double difference(const RobotClip& a, const RobotClip& b) {
 // Distance between the fits of a clip and of its copy.
 double apart(const std::shared_ptr<const Robot>& robot, const std::string& config_file,
              const Clip& clip) {
-  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/" + config_file, *robot);
+  const auto config = value_of(load_config(RETARGET_SOURCE_DIR "/configs/" + config_file, *robot));
   const Calibration calibration = lafan1_calibration(clip.skeleton());
-  EXPECT_TRUE(config.has_value());
   const auto run = [&](const Clip& source) {
-    auto result = fit(source, calibration, robot, *config, robot->model_limits());
-    EXPECT_TRUE(result.has_value()) << describe(result.error());
-    return std::move(result->clip);
+    auto result = value_of(fit(source, calibration, robot, config, robot->model_limits()));
+    return std::move(result.clip);
   };
   return difference(run(clip), run(with_other_bits(clip)));
 }
 
-Clip sample_part(const std::string& name, int begin, int end) {
-  const auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name);
-  EXPECT_TRUE(clip.has_value());
-  return cut(clip->clip, begin, end);
-}
-
 TEST(FitLastBits, FloorContactsAreStableToRounding) {
   // Starts are lifted until their lowest point is exactly on the floor.
-  EXPECT_LT(apart(load_g1(), "lafan1_to_unitree_g1.json", sample_part("get_up.bvh", 50, 100)),
+  EXPECT_LT(apart(load_g1(), "lafan1_to_unitree_g1.json", cut(recorded_clip("get_up"), 50, 100)),
             kSameMotion);
 }
 
 TEST(FitLastBits, FootContactsAreStableToRounding) {
   // Boxes with parallel faces: Talos' feet overlap where the source's do not.
-  const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
-                                      RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json");
-  ASSERT_TRUE(robot.has_value());
-  EXPECT_LT(apart(*robot, "lafan1_to_pal_talos.json", sample_part("squat.bvh", 0, 20)),
+  EXPECT_LT(apart(load_robot_in(RETARGET_SOURCE_DIR "/robots/pal_talos"),
+                  "lafan1_to_pal_talos.json", cut(recorded_clip("squat"), 0, 20)),
             kSameMotion);
 }
 

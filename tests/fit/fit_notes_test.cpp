@@ -1,10 +1,9 @@
 // Notes of a fit about the floor and surfaces that are not in the motion.
 
-#include "solve/fit/fit_notes.h"
+#include "solve/fit/fit_report.h"
 
 #include <gtest/gtest.h>
 
-#include <cstddef>
 #include <vector>
 
 namespace retarget {

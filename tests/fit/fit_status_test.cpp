@@ -5,16 +5,16 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/fit.h"
-#include "solve/fit/fit_status_report.h"
+#include "solve/fit/fit_report.h"
 #include "solve/targets/targets.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -29,12 +29,9 @@ class FitStatusTest : public testing::Test {
   }
 
   FitResult result_of(const FitOptions& options) {
-    const auto file = load_bvh(RETARGET_SOURCE_DIR "/data/walk.bvh");
-    const Clip clip = cut(file->clip, 60, 120);
+    const Clip clip = cut(recorded_clip("walk"), 60, 120);
     const Calibration calibration = lafan1_calibration(clip.skeleton());
-    auto result = fit(clip, calibration, robot_, config_, robot_->model_limits(), options);
-    EXPECT_TRUE(result.has_value()) << describe(result.error());
-    return std::move(*result);
+    return value_of(fit(clip, calibration, robot_, config_, robot_->model_limits(), options));
   }
   FitReport report_of(const FitOptions& options) { return result_of(options).report; }
 
@@ -79,9 +76,9 @@ TEST_F(FitStatusTest, ContinuesWindowsThatHaveNotConverged) {
 // A squat moves hips and waist while the feet stand. Damping in proportion to the curvature of the
 // contacts nearly stops this movement: the cost stays three times as high.
 TEST_F(FitStatusTest, ReachesTheCostOfManyStepsInASquat) {
-  const auto file = load_bvh(RETARGET_SOURCE_DIR "/data/squat.bvh");
+  const Clip clip = recorded_clip("squat");
   const auto cost_of = [&](const FitOptions& options) {
-    const auto result = fit(file->clip, lafan1_calibration(file->clip.skeleton()), robot_, config_,
+    const auto result = fit(clip, lafan1_calibration(clip.skeleton()), robot_, config_,
                             robot_->model_limits(), options);
     return result->report.status.cost_after;
   };

@@ -11,21 +11,16 @@
 #include <random>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "retarget/resample.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
 
 using testing::HasSubstr;
-
-Clip sample(const std::string& name) {
-  auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name);
-  EXPECT_TRUE(clip.has_value());
-  return std::move(clip->clip);
-}
 
 class FitTest : public testing::Test {
  protected:
@@ -34,16 +29,12 @@ class FitTest : public testing::Test {
 
   void SetUp() override {
     config_ = published_config(*robot_);
-    const auto limits = load_limits(*robot_, "official");
-    ASSERT_TRUE(limits.has_value());
-    limits_ = *limits;
+    limits_ = value_of(load_limits(*robot_, "official"));
   }
 
   FitResult fitted(const Clip& clip, const FitOptions& options = {}, const FitRun& run = {}) {
     const Calibration calibration = lafan1_calibration(clip.skeleton());
-    auto result = fit(clip, calibration, robot_, config_, limits_, options, run);
-    EXPECT_TRUE(result.has_value()) << describe(result.error());
-    return std::move(*result);
+    return value_of(fit(clip, calibration, robot_, config_, limits_, options, run));
   }
 
   // Guarantees for every motion, checked on the printed values.
@@ -100,7 +91,7 @@ class FitTest : public testing::Test {
 std::shared_ptr<const Robot> FitTest::robot_;
 
 TEST_F(FitTest, WalkStandsOnTheFloorWithoutSliding) {
-  const FitResult result = fitted(cut(sample("walk.bvh"), 60, 120));
+  const FitResult result = fitted(cut(recorded_clip("walk"), 60, 120));
   expect_guarantees(result.clip);
   EXPECT_TRUE(result.report.floor_found);
   EXPECT_GT(result.report.contact_phases, 2);
@@ -119,7 +110,7 @@ TEST_F(FitTest, WalkStandsOnTheFloorWithoutSliding) {
 TEST_F(FitTest, FeetStandOnRaisedSupports) {
   // Everything is lifted by 0.3 m within a third of a second, as by a platform that starts and
   // stops smoothly.
-  Clip clip = cut(sample("wave.bvh"), 0, 70);
+  Clip clip = cut(recorded_clip("wave"), 0, 70);
   constexpr int kFirst = 30, kLast = 40;
   for (int t = kFirst; t < clip.frame_count(); ++t) {
     const double way = std::min(1.0, static_cast<double>(t - kFirst) / (kLast - kFirst));
@@ -151,7 +142,7 @@ TEST_F(FitTest, FeetStandOnRaisedSupports) {
 
 TEST_F(FitTest, ContactPositionsConverge) {
   // One more step hardly changes the motion.
-  const Clip clip = cut(sample("walk.bvh"), 60, 120);
+  const Clip clip = cut(recorded_clip("walk"), 60, 120);
   FitOptions options;
   options.anchor_iterations = 7;
   const RobotClip seven = fitted(clip, options).clip;
@@ -167,11 +158,11 @@ TEST_F(FitTest, ContactPositionsConverge) {
 }
 
 TEST_F(FitTest, SamplesSatisfyTheGuarantees) {
-  for (const char* name : {"get_up.bvh", "squat.bvh", "turn_in_place.bvh", "wave.bvh"}) {
+  for (const char* name : {"get_up", "squat", "turn_in_place", "wave"}) {
     SCOPED_TRACE(name);
     FitOptions options;
     options.iterations = 3;
-    expect_guarantees(fitted(cut(sample(name), 40, 58), options).clip);
+    expect_guarantees(fitted(cut(recorded_clip(name), 40, 58), options).clip);
   }
 }
 
@@ -186,7 +177,7 @@ TEST_F(FitTest, JointsStayAwayFromTheirLimits) {
   };
   const std::size_t left = address("left_ankle_roll_joint");
   const std::size_t right = address("right_ankle_roll_joint");
-  const Clip clip = cut(sample("walk.bvh"), 30, 120);
+  const Clip clip = cut(recorded_clip("walk"), 30, 120);
   const auto frames_at_a_stop = [&](double weight) {
     FitOptions options;
     options.limit_margin_weight = weight;
@@ -207,7 +198,7 @@ TEST_F(FitTest, NarrowLimitsHoldAndAreReported) {
   FitOptions options;
   options.max_joint_speed = 0.6;
   options.iterations = 2;
-  const FitResult result = fitted(cut(sample("walk.bvh"), 60, 90), options);
+  const FitResult result = fitted(cut(recorded_clip("walk"), 60, 90), options);
   expect_guarantees(result.clip);
   ASSERT_FALSE(result.report.bounded.empty());
   EXPECT_GT(result.report.bounded.front().largest, 0.0);
@@ -221,7 +212,7 @@ TEST_F(FitTest, NarrowLimitsHoldAndAreReported) {
 
 TEST_F(FitTest, BoundsHoldForImpossibleSources) {
   // Random joint values in every frame, and a root that jumps by metres.
-  const Clip walk = sample("walk.bvh");
+  const Clip walk = recorded_clip("walk");
   for (const unsigned seed : {1U}) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -253,19 +244,16 @@ TEST_F(FitTest, BoundsHoldForImpossibleSources) {
 
 TEST_F(FitTest, OverlappingFeetAreSeparated) {
   // The T1 is small but its feet are not: a source with feet side by side.
-  const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
-                                      RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
+  const auto robot = load_robot_in(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof");
   const auto config =
-      load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json", **robot);
-  ASSERT_TRUE(robot.has_value() && config.has_value());
-  const Clip clip = cut(sample("wave.bvh"), 0, 8);
+      value_of(load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json", *robot));
+  const Clip clip = cut(recorded_clip("wave"), 0, 8);
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   const auto result =
-      fit(clip, calibration, *robot, *config, (*robot)->model_limits(), FitOptions{});
-  ASSERT_TRUE(result.has_value());
+      value_of(fit(clip, calibration, robot, config, robot->model_limits(), FitOptions{}));
   const auto overlap =
-      std::ranges::find(result->report.terms, "self-collision", &FitTermReport::name);
-  ASSERT_NE(overlap, result->report.terms.end());
+      std::ranges::find(result.report.terms, "self-collision", &FitTermReport::name);
+  ASSERT_NE(overlap, result.report.terms.end());
   EXPECT_GT(overlap->before, 100.0);
   // The remaining violation is smaller than the margin.
   const FitOptions options;
@@ -274,7 +262,7 @@ TEST_F(FitTest, OverlappingFeetAreSeparated) {
 }
 
 TEST_F(FitTest, HandlesClipsOfOneAndTwoFrames) {
-  const Clip whole = sample("walk.bvh");
+  const Clip whole = recorded_clip("walk");
   for (const int frames : {1, 2, 3}) {
     const FitResult result = fitted(cut(whole, 10, 10 + frames));
     EXPECT_EQ(result.clip.frame_count(), frames);
@@ -289,7 +277,7 @@ TEST_F(FitTest, ThreadCountDoesNotChangeTheResult) {
   options.seam = 0.1;
   options.iterations = 3;
   options.threads = 1;
-  const Clip clip = sample("walk.bvh");
+  const Clip clip = recorded_clip("walk");
   const FitResult one = fitted(clip, options);
   for (const int threads : {2, 3, 7}) {
     options.threads = threads;
@@ -305,7 +293,7 @@ TEST_F(FitTest, ThreadCountDoesNotChangeTheResult) {
 }
 
 TEST_F(FitTest, MotionDoesNotDependOnTheCostsInTheReport) {
-  const Clip clip = sample("squat.bvh");
+  const Clip clip = recorded_clip("squat");
   FitRun run;
   run.costs = false;
   const FitResult with = fitted(clip), without = fitted(clip, {}, run);
@@ -320,7 +308,7 @@ TEST_F(FitTest, MotionDoesNotDependOnTheCostsInTheReport) {
 }
 
 TEST_F(FitTest, WindowsMatchTheWholeClip) {
-  const Clip clip = cut(sample("walk.bvh"), 40, 110);
+  const Clip clip = cut(recorded_clip("walk"), 40, 110);
   FitOptions options;
   options.iterations = 8;
   options.self_collision = false;
@@ -344,13 +332,12 @@ TEST_F(FitTest, WindowsMatchTheWholeClip) {
 }
 
 TEST_F(FitTest, IsIndependentOfTheFrameRate) {
-  const Clip clip = cut(sample("walk.bvh"), 60, 90);
-  const auto faster = resample(clip, frame_rate_from_fps(60.0), {});
-  ASSERT_TRUE(faster.has_value());
+  const Clip clip = cut(recorded_clip("walk"), 60, 90);
+  const auto faster = value_of(resample(clip, frame_rate_from_fps(60.0), {}));
   FitOptions options;
   options.iterations = 8;
   options.self_collision = false;
-  const RobotClip at_30 = fitted(clip, options).clip, at_60 = fitted(*faster, options).clip;
+  const RobotClip at_30 = fitted(clip, options).clip, at_60 = fitted(faster, options).clip;
   expect_guarantees(at_60);
   double sum = 0.0;
   for (int t = 0; t < at_30.frame_count(); ++t) {
@@ -364,12 +351,11 @@ TEST_F(FitTest, IsIndependentOfTheFrameRate) {
 // Their largest acceleration does not grow with the rate as if they started within a frame: that
 // would be 280 m/s^2 at 120 fps.
 TEST_F(FitTest, FeetLeaveTheFloorGentlyAtEveryRate) {
-  const Clip clip = cut(sample("walk.bvh"), 60, 160);
+  const Clip clip = cut(recorded_clip("walk"), 60, 160);
   const Sole& sole = robot_->profile().soles.front();
   const auto walk = [&](double fps) {
-    const auto at_rate = resample(clip, frame_rate_from_fps(fps), {});
-    EXPECT_TRUE(at_rate.has_value());
-    const RobotClip motion = fitted(*at_rate).clip;
+    const auto at_rate = value_of(resample(clip, frame_rate_from_fps(fps), {}));
+    const RobotClip motion = fitted(at_rate).clip;
     std::vector<Pose> bodies(robot_->bodies().size());
     std::vector<Eigen::Vector3d> steps;
     Eigen::Vector3d before = Eigen::Vector3d::Zero();
@@ -390,20 +376,19 @@ TEST_F(FitTest, FeetLeaveTheFloorGentlyAtEveryRate) {
 }
 
 TEST_F(FitTest, HandlesRobotWithoutSolesAndShapes) {
-  const auto bare = load_robot_files(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
-  ASSERT_TRUE(bare.has_value());
-  const Clip clip = cut(sample("walk.bvh"), 0, 10);
+  const auto bare = value_of(load_robot_files(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml"));
+  const Clip clip = cut(recorded_clip("walk"), 0, 10);
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   FitOptions options;
   options.iterations = 2;
-  const auto result = fit(clip, calibration, *bare, config_, (*bare)->model_limits(), options);
-  ASSERT_TRUE(result.has_value());
-  ASSERT_FALSE(result->report.notes.empty());
-  EXPECT_THAT(result->report.notes.front(), HasSubstr("no soles"));
+  const auto result =
+      value_of(fit(clip, calibration, bare, config_, bare->model_limits(), options));
+  ASSERT_FALSE(result.report.notes.empty());
+  EXPECT_THAT(result.report.notes.front(), HasSubstr("no soles"));
 }
 
 TEST_F(FitTest, UnusablePositionsAreAnErrorWithTheFrame) {
-  Clip clip = cut(sample("walk.bvh"), 0, 20);
+  Clip clip = cut(recorded_clip("walk"), 0, 20);
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   for (const double x : {1e150, std::numeric_limits<double>::quiet_NaN()}) {
     clip.translations(12)[0].x() = x;
@@ -415,7 +400,7 @@ TEST_F(FitTest, UnusablePositionsAreAnErrorWithTheFrame) {
 }
 
 TEST_F(FitTest, CanBeInterrupted) {
-  const Clip clip = cut(sample("walk.bvh"), 0, 20);
+  const Clip clip = cut(recorded_clip("walk"), 0, 20);
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   FitRun run;
   run.keep_going = [](double) { return false; };
@@ -425,7 +410,7 @@ TEST_F(FitTest, CanBeInterrupted) {
 }
 
 TEST_F(FitTest, CanBeInterruptedDuringTheFirstStage) {
-  const Clip clip = cut(sample("walk.bvh"), 0, 100);
+  const Clip clip = cut(recorded_clip("walk"), 0, 100);
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   FitOptions options;
   options.window = 0.5;

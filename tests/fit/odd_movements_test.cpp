@@ -10,12 +10,12 @@
 #include <numbers>
 #include <string>
 
-#include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 // Files in centimetres, Y up; the root is the first joint.
 struct OddMovement {
   std::string name;
-  std::string file;
+  std::string clip;  // In the folder data.
   int begin, end;
   // Changes a frame at a time in seconds.
   std::function<void(double time, Quaterniond& root, Vector3d& place)> change;
@@ -37,17 +37,17 @@ void rise(Vector3d& place, double metres) {
 }
 
 OddMovement flying() {
-  return {"flying", "walk.bvh", 60, 130,
+  return {"flying", "walk", 60, 130,
           [](double time, Quaterniond&, Vector3d& place) { rise(place, 2.0 + 3.0 * time); }};
 }
 
 OddMovement sliding() {
-  return {"sliding", "squat.bvh", 30, 110,
+  return {"sliding", "squat", 30, 110,
           [](double time, Quaterniond&, Vector3d& place) { place.x() += 60.0 * time; }};
 }
 
 OddMovement handstand() {
-  return {"handstand", "wave.bvh", 0, 70, [](double, Quaterniond& root, Vector3d& place) {
+  return {"handstand", "wave", 0, 70, [](double, Quaterniond& root, Vector3d& place) {
             root = Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX())) * root;
             rise(place, 0.3);
           }};
@@ -55,7 +55,7 @@ OddMovement handstand() {
 
 // Backwards, with the steps of forward walking.
 OddMovement moonwalk() {
-  return {"moonwalk", "walk.bvh", 60, 130, [](double, Quaterniond&, Vector3d& place) {
+  return {"moonwalk", "walk", 60, 130, [](double, Quaterniond&, Vector3d& place) {
             place.x() = -place.x();
             place.z() = -place.z();
           }};
@@ -63,7 +63,7 @@ OddMovement moonwalk() {
 
 OddMovement in_water() {
   return {
-      "in water", "wave.bvh", 0, 90, [](double time, Quaterniond& root, Vector3d& place) {
+      "in water", "wave", 0, 90, [](double time, Quaterniond& root, Vector3d& place) {
         rise(place, 1.0 + 0.1 * std::sin(time));
         root = Quaterniond(Eigen::AngleAxisd(0.9 + 0.2 * std::sin(0.7 * time), Vector3d::UnitX())) *
                root;
@@ -82,10 +82,8 @@ class OddMovements : public testing::TestWithParam<OddMovement> {
     FitRun run;
     // Two fits may move an arm to different branches, which changes the forces more than the term.
     run.recover_limbs = false;
-    auto result = fit(clip, lafan1_calibration(clip.skeleton()), robot_, published_config(*robot_),
-                      *limits, options, run);
-    EXPECT_TRUE(result.has_value()) << describe(result.error());
-    return std::move(*result);
+    return value_of(fit(clip, lafan1_calibration(clip.skeleton()), robot_,
+                        published_config(*robot_), *limits, options, run));
   }
 
   // Share of the time, and the mean of the missing force, in weights.
@@ -116,9 +114,7 @@ std::shared_ptr<const Robot> OddMovements::robot_;
 
 TEST_P(OddMovements, DoNotGetWorseWithTheDynamicsTerm) {
   const OddMovement& odd = GetParam();
-  auto loaded = load_bvh(RETARGET_SOURCE_DIR "/data/" + odd.file);
-  ASSERT_TRUE(loaded.has_value());
-  Clip clip = cut(loaded->clip, odd.begin, odd.end);
+  Clip clip = cut(recorded_clip(odd.clip), odd.begin, odd.end);
   for (int t = 0; t < clip.frame_count(); ++t) {
     odd.change(t / 30.0, clip.rotations(t)[0], clip.translations(t)[0]);
   }
@@ -141,18 +137,15 @@ INSTANTIATE_TEST_SUITE_P(All, OddMovements,
 
 TEST(OddMovement, AcceptsATPoseOfOneFrame) {
   const auto robot = load_g1();
-  auto loaded = load_bvh(RETARGET_SOURCE_DIR "/data/walk.bvh");
-  ASSERT_TRUE(loaded.has_value());
-  Clip clip = cut(loaded->clip, 0, 1);
+  Clip clip = cut(recorded_clip("walk"), 0, 1);
   for (Quaterniond& rotation : clip.rotations(0)) rotation.setIdentity();
   FitOptions options;
   options.dynamics = true;
   const auto limits = load_limits(*robot, "official");
-  const auto result = fit(clip, lafan1_calibration(clip.skeleton()), robot,
-                          published_config(*robot), *limits, options);
-  ASSERT_TRUE(result.has_value()) << describe(result.error());
-  EXPECT_EQ(result->clip.frame_count(), 1);
-  EXPECT_TRUE(analyse_dynamics(result->clip).samples.empty());
+  const auto result = value_of(fit(clip, lafan1_calibration(clip.skeleton()), robot,
+                                   published_config(*robot), *limits, options));
+  EXPECT_EQ(result.clip.frame_count(), 1);
+  EXPECT_TRUE(analyse_dynamics(result.clip).samples.empty());
 }
 
 }  // namespace

@@ -9,10 +9,11 @@
 #include <numbers>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -114,10 +115,8 @@ double amplitude(const std::vector<double>& track, double hertz, double fps) {
 
 TEST(RootReferenceTest, FitKeepsTheBounceOfThePelvis) {
   // A person who stands and bounces 3 times per second. Legs bend with the hips, feet stay planted.
-  auto read = load_bvh(RETARGET_SOURCE_DIR "/data/squat.bvh");
-  ASSERT_TRUE(read.has_value());
-  const Clip deep = cut(read->clip, 0, read->clip.frame_count());
-  Clip clip = cut(read->clip, 0, 90);
+  const Clip deep = recorded_clip("squat");
+  Clip clip = cut(deep, 0, 90);
   // Frames of the squat between standing and a slightly bent knee, back and forth.
   constexpr double kHertz = 3.0, kFps = 30.0;
   std::vector<double> human;
@@ -129,13 +128,11 @@ TEST(RootReferenceTest, FitKeepsTheBounceOfThePelvis) {
     human.push_back(0.01 * clip.translations(t)[0].y());
   }
   const auto robot = load_g1();
-  const auto limits = load_limits(*robot, "official");
-  ASSERT_TRUE(limits.has_value());
-  const auto result = fit(clip, lafan1_calibration(clip.skeleton()), robot,
-                          published_config(*robot), *limits, FitOptions{});
-  ASSERT_TRUE(result.has_value());
+  const auto limits = value_of(load_limits(*robot, "official"));
+  const auto result = value_of(fit(clip, lafan1_calibration(clip.skeleton()), robot,
+                                   published_config(*robot), limits, FitOptions{}));
   std::vector<double> pelvis;
-  for (int t = 0; t < clip.frame_count(); ++t) pelvis.push_back(result->clip.qpos(t)[2]);
+  for (int t = 0; t < clip.frame_count(); ++t) pelvis.push_back(result.clip.qpos(t)[2]);
   const double source = amplitude(human, kHertz, kFps);
   ASSERT_GT(source, 0.01);
   EXPECT_GT(amplitude(pelvis, kHertz, kFps) / source, 0.6);

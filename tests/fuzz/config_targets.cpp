@@ -2,7 +2,6 @@
 // options of the fit, gates, limits, profile, model.
 
 #include <cmath>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>

@@ -1,7 +1,5 @@
 // Any bytes as a mesh of a page, STL, OBJ and COLLADA, read and simplified.
 
-#include <algorithm>
-#include <string>
 #include <string_view>
 
 #include "fuzz/fuzz_target.h"

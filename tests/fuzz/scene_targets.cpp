@@ -1,7 +1,6 @@
 // Any bytes as files of 3D scenes: FBX, glTF (as GLB and as JSON), MVNX; read as a motion and as a
 // skeleton. Accepted files must be valid.
 
-#include <string>
 #include <string_view>
 
 #include "formats/scene/read_scene.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "fuzz/fuzz_target.h"
 #include "live/stream/stream_formats.h"

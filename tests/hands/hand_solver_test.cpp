@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "retarget/so3.h"
+#include "robot/shipped_robots.h"
 #include "solve/hands/hand_target.h"
 #include "support/counted_allocations.h"
 #include "support/finger_clip.h"
@@ -49,7 +50,7 @@ struct Solved {
 
 std::vector<Solved> hands() {
   std::vector<Solved> all;
-  all.emplace_back(load_shipped_robot("unitree_g1_with_hands"));
+  all.emplace_back(load_shipped("unitree_g1_with_hands"));
   all.emplace_back(robot_from_text(six_motor_hands()));
   return all;
 }
@@ -228,7 +229,7 @@ TEST(HandSolverTest, LongerHandsCloseAsFar) {
     for (Eigen::Vector3d& point : line.points) point *= 2.0;
     line.length *= 2.0;
   }
-  const Solved of(load_shipped_robot("unitree_g1_with_hands"));
+  const Solved of(load_shipped("unitree_g1_with_hands"));
   const HandTarget a = of.target(shape), b = of.target(large);
   EXPECT_NEAR(a.gap[1], b.gap[1], 1e-12);
   EXPECT_NEAR(a.gap[2], b.gap[2], 1e-12);

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
+#include "robot/shipped_robots.h"
 #include "support/finger_clip.h"
 #include "support/hand_robots.h"
 
@@ -50,8 +50,8 @@ struct Tracked {
 
 TEST(HandTrackTest, OneHandFollowsAndTheOtherIsRelaxed) {
   const FingerClip source = moving_clip();
-  const Tracked g1(load_shipped_robot("unitree_g1_with_hands"), source, HandsRule::kFollow);
-  const Tracked relaxed(load_shipped_robot("unitree_g1_with_hands"), source, HandsRule::kRelaxed);
+  const Tracked g1(load_shipped("unitree_g1_with_hands"), source, HandsRule::kFollow);
+  const Tracked relaxed(load_shipped("unitree_g1_with_hands"), source, HandsRule::kRelaxed);
   EXPECT_LT(std::abs(g1.at(0, "left_hand_index_0_joint")), 0.2) << "open";
   EXPECT_LT(g1.at(35, "left_hand_index_0_joint"), -1.2) << "a fist";
   for (const int frame : {0, 35, 80}) {
@@ -70,8 +70,8 @@ TEST(HandTrackTest, OneHandFollowsAndTheOtherIsRelaxed) {
 
 TEST(HandTrackTest, RangesAndSpeedsHoldAsPrinted) {
   for (const bool of_six_motors : {false, true}) {
-    const auto robot = of_six_motors ? robot_from_text(six_motor_hands())
-                                     : load_shipped_robot("unitree_g1_with_hands");
+    const auto robot =
+        of_six_motors ? robot_from_text(six_motor_hands()) : load_shipped("unitree_g1_with_hands");
     const Tracked tracked(robot, moving_clip(), HandsRule::kFollow);
     const double frame_time = 1.0 / 30.0;
     for (const auto& hand : tracked.hands) {
@@ -107,7 +107,7 @@ TEST(HandTrackTest, CoupledJointsFollow) {
 TEST(HandTrackTest, StillFingersAndNoFingersAreRelaxed) {
   FingerClip still(kFrames);
   for (int frame = 0; frame < kFrames; ++frame) still.make_fist(frame, 0);
-  const auto robot = load_shipped_robot("unitree_g1_with_hands");
+  const auto robot = load_shipped("unitree_g1_with_hands");
   const Tracked a(robot, still, HandsRule::kFollow);
   const Tracked b(robot, still, HandsRule::kRelaxed);
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -121,8 +121,8 @@ TEST(HandTrackTest, StillFingersAndNoFingersAreRelaxed) {
 TEST(HandTrackTest, PinchesOfTheHumanCloseOnTheRobot) {
   const FingerClip source = moving_clip();
   for (const bool of_six_motors : {false, true}) {
-    const auto robot = of_six_motors ? robot_from_text(six_motor_hands())
-                                     : load_shipped_robot("unitree_g1_with_hands");
+    const auto robot =
+        of_six_motors ? robot_from_text(six_motor_hands()) : load_shipped("unitree_g1_with_hands");
     const Tracked tracked(robot, source, HandsRule::kFollow);
     const HandErrors errors = measure_hands(source.clip(), source.map(), tracked.clip);
     ASSERT_EQ(errors.touching_gaps.size(), 40U)

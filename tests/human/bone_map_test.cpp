@@ -9,6 +9,7 @@
 #include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -20,12 +21,11 @@ TEST(BoneMapFile, RoundTrips) {
   const BoneMap map = recognise_skeleton(skeleton, {}).value();
   const TemporaryFolder folder;
   const std::string path = folder.write("map.json", format_bone_map(map, skeleton));
-  const auto read = read_bone_map(path, skeleton);
-  ASSERT_TRUE(read) << describe(read.error());
-  EXPECT_EQ(read->joint_of_bone, map.joint_of_bone);
-  EXPECT_EQ(read->profile, "map file");
-  EXPECT_EQ(read->confidence, 1.0);
-  EXPECT_FALSE(read->partial);
+  const auto read = value_of(read_bone_map(path, skeleton));
+  EXPECT_EQ(read.joint_of_bone, map.joint_of_bone);
+  EXPECT_EQ(read.profile, "map file");
+  EXPECT_EQ(read.confidence, 1.0);
+  EXPECT_FALSE(read.partial);
 }
 
 TEST(BoneMapFile, WritesNullForBonesWithoutAJoint) {
@@ -35,10 +35,9 @@ TEST(BoneMapFile, WritesNullForBonesWithoutAJoint) {
   const std::string text = format_bone_map(map, skeleton);
   EXPECT_THAT(text, HasSubstr("\"Hips\": \"Hips\""));
   EXPECT_THAT(text, HasSubstr("\"LeftUpLeg\": null"));
-  const auto read = parse_bone_map(text, "map.json", skeleton);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->joint_of_bone, map.joint_of_bone);
-  EXPECT_TRUE(read->partial);
+  const auto read = value_of(parse_bone_map(text, "map.json", skeleton));
+  EXPECT_EQ(read.joint_of_bone, map.joint_of_bone);
+  EXPECT_TRUE(read.partial);
 }
 
 TEST(BoneMapFile, ReportsAllErrorsTogether) {

@@ -13,21 +13,18 @@
 #include "retarget/bvh.h"
 #include "retarget/clip.h"
 #include "retarget/resample.h"
+#include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
+#include "support/value_of.h"
+#include "support/with_joints.h"
 
 namespace retarget {
 namespace {
 
 const std::vector<std::string> kSamples = {"get_up", "squat", "turn_in_place", "walk", "wave"};
 
-HumanClip fixed_human(const Clip& clip) {
-  return to_human(clip, lafan1_calibration(clip.skeleton()));
-}
-
 Calibration calibrated(const Clip& clip, const CalibrationOptions& options = {}) {
-  const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options);
-  EXPECT_TRUE(found.has_value()) << (found ? "" : describe(found.error()));
-  return found.value_or(Calibration{});
+  return value_of(calibrate(clip, lafan1_map(clip.skeleton(), "test"), options));
 }
 
 HumanClip human_of(const Clip& clip, const CalibrationOptions& options = {}) {
@@ -66,7 +63,7 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   for (const std::string& name : kSamples) {
     const Clip clip = recorded_clip(name);
-    const HumanClip expected = fixed_human(clip);
+    const HumanClip expected = lafan1_human(clip);
     for (const bool turned : {false, true}) {
       const Clip metres = scaled_and_turned(
           clip, 0.01, turned ? z_up : Eigen::Quaterniond(Eigen::Quaterniond::Identity()));
@@ -85,7 +82,7 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
 TEST(Calibrate, FindsLafan1AxesWithATPoseAsZeroPose) {
   for (const std::string& name : kSamples) {
     const Clip clip = recorded_clip(name);
-    HumanClip expected = fixed_human(clip);
+    HumanClip expected = lafan1_human(clip);
     const Calibration found = calibrated(with_t_pose_as_zero(clip));
     EXPECT_EQ(found.rest_pose, "zero pose");
     EXPECT_LT(found.rest_deviation, 10.0);
@@ -234,14 +231,8 @@ TEST(Calibrate, IsIndependentOfChannelOrder) {
     auto& channels = joints[i].channels;
     std::rotate(channels.end() - 3, channels.end() - 3 + static_cast<int>(i % 3), channels.end());
   }
-  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
-    std::ranges::copy(clip.translations(frame), twin.translations(frame).begin());
-  }
-  const auto text = format_bvh(twin);
-  ASSERT_TRUE(text) << describe(text.error());
-  EXPECT_LT(largest_difference(human_of(read_bvh(*text, "twin").value().clip), human_of(clip)),
+  const auto text = value_of(format_bvh(with_joints(clip, joints)));
+  EXPECT_LT(largest_difference(human_of(read_bvh(text, "twin").value().clip), human_of(clip)),
             1e-8);
 }
 
@@ -251,7 +242,7 @@ TEST(Calibrate, LearnsAxesFromMovementCloseToTheTrueOnes) {
   const Clip clip = recorded_clip("walk");
   const Calibration found = calibrated(clip);
   EXPECT_EQ(found.rest_pose, "learned");
-  const HumanClip human = to_human(clip, found), expected = fixed_human(clip);
+  const HumanClip human = to_human(clip, found), expected = lafan1_human(clip);
   for (const Bone bone : kMappedBones) {
     const double degrees =
         human.frame(0)[bone].rotation.angularDistance(expected.frame(0)[bone].rotation) * 180.0 /
@@ -289,9 +280,8 @@ TEST(Calibrate, FindsUpAxisOfALyingBody) {
   const Clip clip = with_t_pose_as_zero(cut(recorded_clip("get_up"), 0, 60));
   EXPECT_EQ(calibrated(clip).up, SignedAxis{});
   const Clip lafan1 = cut(recorded_clip("get_up"), 0, 60);
-  const auto found = calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {});
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->rest_pose, "lafan1");
+  const auto found = value_of(calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {}));
+  EXPECT_EQ(found.rest_pose, "lafan1");
 }
 
 TEST(Calibrate, LevelsTheWorldAlongAGivenVector) {
@@ -341,7 +331,7 @@ TEST(Calibrate, UsesTheTPoseOfAnotherFile) {
   options.tpose = tpose;
   const Calibration found = calibrated(clip, options);
   EXPECT_EQ(found.rest_pose, "T-pose file");
-  HumanClip expected = fixed_human(clip);
+  HumanClip expected = lafan1_human(clip);
   expected.height = found.height;
   EXPECT_LT(largest_difference(to_human(clip, found), expected), 1e-9);
 }
@@ -354,9 +344,8 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
                            "RightShoulder", "Spine", "Spine1", "Neck"}) {
     drop(bone);
   }
-  const auto found = calibrate(clip, map, {});
-  ASSERT_TRUE(found) << describe(found.error());
-  const HumanClip human = to_human(clip, *found), whole = fixed_human(recorded_clip("walk"));
+  const auto found = value_of(calibrate(clip, map, {}));
+  const HumanClip human = to_human(clip, found), whole = lafan1_human(recorded_clip("walk"));
   for (const Bone bone : kAllBones) EXPECT_TRUE(human.has(bone)) << bone_name(bone);
   // The wrist and the toes keep their positions, and the foot without toes keeps its rotation.
   for (const char* bone : {"LeftHand", "RightToe"}) {
@@ -383,9 +372,8 @@ TEST(Calibrate, RejectsInvalidInput) {
   ASSERT_FALSE(arm);
   EXPECT_THAT(arm.error().message, testing::HasSubstr("LeftForeArm"));
   map.partial = true;
-  const auto partial = calibrate(clip, map, {});
-  ASSERT_TRUE(partial);
-  EXPECT_FALSE(to_human(clip, *partial).has(Bone::kLeftForeArm));
+  const auto partial = value_of(calibrate(clip, map, {}));
+  EXPECT_FALSE(to_human(clip, partial).has(Bone::kLeftForeArm));
   BoneMap none;
   EXPECT_FALSE(calibrate(clip, none, {}));
 }
@@ -397,10 +385,9 @@ TEST(Calibrate, WarnsAboutSwappedSides) {
     if (side_of(bone) != Side::kLeft) continue;
     std::swap(map.joint_of_bone[bone], map.joint_of_bone[mirrored(bone)]);
   }
-  const auto found = calibrate(clip, map, {});
-  ASSERT_TRUE(found);
-  ASSERT_FALSE(found->doubts.empty());
-  EXPECT_THAT(found->doubts.back().message, testing::HasSubstr("swapped"));
+  const auto found = value_of(calibrate(clip, map, {}));
+  ASSERT_FALSE(found.doubts.empty());
+  EXPECT_THAT(found.doubts.back().message, testing::HasSubstr("swapped"));
 }
 
 TEST(Calibrate, HandlesAClipWithoutFrames) {

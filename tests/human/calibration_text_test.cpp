@@ -1,12 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
 #include <utility>
 
-#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/skeleton/calibrate.h"
+#include "support/recorded_clip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using testing::StartsWith;
 
 TEST(CalibrationText, NamesTheEvidenceForTheSkeleton) {
-  const Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/wave.bvh").value().clip;
+  const Clip clip = recorded_clip("wave");
   const std::pair<const char*, const char*> texts[] = {
       {"mixamo", "mixamo skeleton, unit cm (0.01 m), "},
       {"names", "a skeleton recognised by its joint names, unit cm (0.01 m), "},
@@ -22,10 +22,9 @@ TEST(CalibrationText, NamesTheEvidenceForTheSkeleton) {
       {"map file", "a skeleton with a bone map from a file, unit cm "},
   };
   for (const auto& [profile, text] : texts) {
-    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), profile), {});
-    ASSERT_TRUE(found.has_value());
-    EXPECT_EQ(found->profile, profile);
-    EXPECT_THAT(found->description, StartsWith(text));
+    const auto found = value_of(calibrate(clip, lafan1_map(clip.skeleton(), profile), {}));
+    EXPECT_EQ(found.profile, profile);
+    EXPECT_THAT(found.description, StartsWith(text));
   }
 }
 

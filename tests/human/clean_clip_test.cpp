@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,11 +18,12 @@
 #include "human/gait/source_feet.h"
 #include "human/gait/track_faults.h"
 #include "human/gait/track_noise.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
+#include "retarget/human.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "support/lafan1_map.h"
+#include "support/normal_numbers.h"
 #include "support/recorded_clip.h"
 
 namespace retarget {
@@ -59,19 +59,6 @@ double mean_angle(const Clip& a, const Clip& b) {
   }
   return sum / a.frame_count() / a.skeleton().joint_count();
 }
-
-// Sums of uniform numbers, which are equal in every standard library.
-class Noise {
- public:
-  double next() {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random_()) / 4294967296.0;
-    return sum;
-  }
-
- private:
-  std::mt19937 random_{11};
-};
 
 TEST(CleanClip, DoesNotChangeSamples) {
   for (const char* name : {"walk", "turn_in_place", "squat", "wave", "get_up"}) {
@@ -151,11 +138,11 @@ TEST(CleanClip, LimbsMayRest) {
 // Independent errors of this RMS angle about each axis, degrees.
 Clip with_white_noise(const Clip& clip, double degrees) {
   Clip noisy = clip;
-  Noise noise;
+  NormalNumbers noise(11);
   const double sigma = degrees * std::numbers::pi / 180.0;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     for (auto& rotation : noisy.rotations(frame)) {
-      rotation = rotation * exp_so3(sigma * Vector3d(noise.next(), noise.next(), noise.next()));
+      rotation = rotation * exp_so3(sigma * noise.next_vector());
     }
   }
   return noisy;
@@ -236,7 +223,7 @@ TEST(CleanClip, InterpolatedFramesAreNoJitter) {
 // Noise with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
 // @param names  of the noisy joints; empty: all
 void add_slow_noise(Clip& clip, double degrees, const std::set<std::string>& names = {}) {
-  Noise noise;
+  NormalNumbers noise(11);
   const double keep = std::exp(-clip.rate().frame_time() / 0.3);
   const double sigma = degrees * std::numbers::pi / 180.0;
   std::vector<Vector3d> errors(static_cast<std::size_t>(clip.skeleton().joint_count()),
@@ -395,7 +382,7 @@ TEST(CleanClip, DoesNotChangeShortClips) {
 
 TEST(CleanPositions, DoesNotChangeClipsWithRotations) {
   Clip clip = recorded_clip("wave");
-  Noise noise;
+  NormalNumbers noise(11);
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     clip.translations(frame)[0].x() += noise.next();
   }

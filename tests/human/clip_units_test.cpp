@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
 #include "retarget/so3.h"
+#include "support/recorded_clip.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -39,7 +39,7 @@ const std::vector<std::string> kSamplesInUnits = {"walk", "squat", "turn_in_plac
 // A sample with LAFAN1's axes, whose zero pose is impossible for a body, or with a T-pose as zero
 // pose.
 Clip sample_of(const std::string& name, bool with_t_pose) {
-  Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+  const Clip clip = recorded_clip(name);
   return with_t_pose ? with_t_pose_as_zero(clip) : clip;
 }
 

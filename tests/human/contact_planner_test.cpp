@@ -6,17 +6,16 @@
 
 #include <string>
 
-#include "formats/bvh/read_bvh.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "support/counted_allocations.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
 
 SourceFeet feet_of(const std::string& name) {
-  const Clip clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value().clip;
-  const HumanClip human = to_human(clip, lafan1_calibration(clip.skeleton()));
+  const HumanClip human = lafan1_human(recorded_clip(name));
   return {human, human.frame_count};
 }
 

@@ -9,6 +9,7 @@
 #include "human/gait/edit_contacts.h"
 #include "human/gait/source_feet.h"
 #include "retarget/error.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -110,17 +111,16 @@ TEST(ContactEdits, ReportsEditsWithoutEffect) {
 }
 
 TEST(ContactEditsFile, ReadsAllFields) {
-  const auto read = parse_contact_edits(
+  const auto read = value_of(parse_contact_edits(
       R"({"contacts": [
           {"part": "left_foot", "action": "add", "start": 0.5, "end": 1.25, "height": 0.2},
           {"part": "right_toe", "action": "shift", "start": 0.0, "end": 1.0, "by": -0.1}]})",
-      "edits.json");
-  ASSERT_TRUE(read.has_value());
-  ASSERT_EQ(read->size(), 2U);
-  EXPECT_EQ((*read)[0].part, "left_foot");
-  EXPECT_EQ((*read)[0].height, 0.2);
-  EXPECT_EQ((*read)[1].action, ContactAction::kShift);
-  EXPECT_EQ((*read)[1].by, -0.1);
+      "edits.json"));
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].part, "left_foot");
+  EXPECT_EQ(read[0].height, 0.2);
+  EXPECT_EQ(read[1].action, ContactAction::kShift);
+  EXPECT_EQ(read[1].by, -0.1);
 }
 
 TEST(ContactEditsFile, ReportsAllErrorsTogether) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "human/tiny_skeleton.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -16,10 +17,9 @@ inline void expect_bones(const std::string& body,
   const Skeleton skeleton = tiny_skeleton(body);
   // With the profiles, and by names alone.
   for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
-    const auto map = recognise_skeleton(skeleton, profiles);
-    ASSERT_TRUE(map) << describe(map.error());
+    const auto map = value_of(recognise_skeleton(skeleton, profiles));
     for (const auto& [bone, joint] : expected) {
-      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->profile;
+      EXPECT_EQ(joint_name(map, skeleton, bone), joint) << bone << " by " << map.profile;
     }
   }
 }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,10 +10,15 @@
 
 #include "base/option_name.h"
 #include "formats/bvh/read_bvh.h"
+#include "human/doubts.h"
 #include "human/hand_made_maps.h"
 #include "human/rest_twins.h"
 #include "human/skeleton/calibrate.h"
+#include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/shared_data.h"
+#include "support/value_of.h"
+#include "support/with_joints.h"
 
 namespace retarget {
 namespace {
@@ -28,26 +32,13 @@ const std::vector<Bone> kBodyBones = {Bone::kHips,        Bone::kSpine2,       B
                                       Bone::kRightArm,    Bone::kLeftForeArm,  Bone::kRightForeArm};
 
 Clip window_of(const std::string& name, int begin, int end) {
-  return cut(load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip,
-             begin, end);
-}
-
-HumanClip true_human(const Clip& clip) {
-  return to_human(clip, lafan1_calibration(clip.skeleton()));
+  return cut(recorded_clip(name), begin, end);
 }
 
 Calibration rest_found(const Clip& clip) {
   CalibrationOptions options;
   options.up = Eigen::Vector3d::UnitY();
-  const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options);
-  EXPECT_TRUE(found.has_value()) << (found ? "" : describe(found.error()));
-  return found.value_or(Calibration{});
-}
-
-bool names_rest_option(const Calibration& calibration) {
-  return std::ranges::any_of(calibration.doubts, [](const Warning& doubt) {
-    return doubt.message.find(OPTION("rest")) != std::string::npos;
-  });
+  return value_of(calibrate(clip, lafan1_map(clip.skeleton(), "test"), options));
 }
 
 Clip with_axes_of_no_meaning(const Clip& clip) {
@@ -67,7 +58,7 @@ TEST(RestEvidence, LearnsLyingBodiesFromTheirStructure) {
     const Calibration found = rest_found(with_axes_of_no_meaning(clip));
     EXPECT_EQ(found.rest_pose, "learned");
     const HumanClip human = to_human(with_axes_of_no_meaning(clip), found);
-    const HumanClip expected = true_human(clip);
+    const HumanClip expected = lafan1_human(clip);
     EXPECT_LT(mean_turn(human, expected, kBodyBones), 9.0);
     EXPECT_LT(mean_turn(human, expected, {Bone::kHips}), 20.0);
     EXPECT_LT(mean_turn(human, expected, kFootBones), 15.0);
@@ -83,7 +74,7 @@ TEST(RestEvidence, UsesASeatedZeroPoseThatFitsTheMovement) {
   const Clip twin = with_zero_shape(clip, seated);
   const Calibration found = rest_found(twin);
   EXPECT_EQ(found.rest_pose, "zero pose");
-  EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kBodyBones), 1.0);
+  EXPECT_LT(mean_turn(to_human(twin, found), lafan1_human(clip), kBodyBones), 1.0);
   // The best candidate and its advantage.
   EXPECT_THAT(found.description,
               testing::ContainsRegex("T-pose from zero pose \\([0-9]+ degrees off a T-pose; "
@@ -102,7 +93,7 @@ TEST(RestEvidence, FeetStandOnTheFloor) {
   shapes[3].toes_down = 50.0;
   for (const char* name : {"walk", "wave", "turn_in_place"}) {
     const Clip clip = window_of(name, 0, 120);
-    const HumanClip expected = true_human(clip);
+    const HumanClip expected = lafan1_human(clip);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(i));
       const Clip twin = with_zero_shape(clip, shapes[i]);
@@ -121,11 +112,7 @@ TEST(RestEvidence, UsesConstantPositionsInsteadOfOffsets) {
   for (Joint& joint : joints) {
     if (joint.parent >= 0) joint.offset.setZero();
   }
-  Clip twin(std::make_shared<const Skeleton>(joints), placed.rate(), placed.frame_count());
-  for (int frame = 0; frame < placed.frame_count(); ++frame) {
-    std::ranges::copy(placed.rotations(frame), twin.rotations(frame).begin());
-    std::ranges::copy(placed.translations(frame), twin.translations(frame).begin());
-  }
+  const Clip twin = with_joints(placed, joints);
   const Calibration found = rest_found(twin);
   EXPECT_EQ(found.rest_pose, "zero pose");
   EXPECT_LT(mean_turn(to_human(twin, found), to_human(clip, rest_found(clip)), kBodyBones), 1e-3);
@@ -154,7 +141,7 @@ TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
   const Clip clip = window_of("squat", 0, 90);
   const Calibration found = rest_found(with_zero_shape(clip, crouch));
   EXPECT_EQ(found.rest_pose, "learned");
-  EXPECT_FALSE(names_rest_option(found));
+  EXPECT_FALSE(has_doubt(found, OPTION("rest")));
   EXPECT_THAT(found.description,
               testing::ContainsRegex("learned from the movement \\(expected error [0-9.]+ "
                                      "degrees; next best: [a-z0-9 ]+, [0-9.]+ degrees\\)"));
@@ -168,7 +155,7 @@ TEST(RestEvidence, WarnsAboutClipsWithLittleEvidence) {
   const Clip built = with_zero_shape(window_of("walk", 0, 1), leaning);
   const Clip clip(built.shared_skeleton(), built.rate(), 30);
   const Calibration found = rest_found(with_axes_of_no_meaning(clip));
-  EXPECT_TRUE(names_rest_option(found)) << found.description;
+  EXPECT_TRUE(has_doubt(found, OPTION("rest"))) << found.description;
 }
 
 TEST(RestEvidence, CleanStandingClipsCauseNoWarning) {
@@ -210,13 +197,8 @@ TEST(RestEvidence, ArmsWithoutLengthAreNoEvidenceForAPose) {
   const Clip twin = with_forearms_without_length(clip);
   const Calibration found = rest_found(twin);
   EXPECT_EQ(found.rest_pose, "learned") << found.description;
-  const auto says = [&](const char* text) {
-    return std::ranges::any_of(found.doubts, [&](const Warning& doubt) {
-      return doubt.message.find(text) != std::string::npos;
-    });
-  };
-  EXPECT_TRUE(says("no length is known for LeftForeArm, RightForeArm"));
-  const HumanClip human = to_human(twin, found), expected = true_human(clip);
+  EXPECT_TRUE(has_doubt(found, "no length is known for LeftForeArm, RightForeArm"));
+  const HumanClip human = to_human(twin, found), expected = lafan1_human(clip);
   EXPECT_LT(mean_turn(human, expected, kLegBones), 5.0);
   for (const Bone bone :
        {Bone::kLeftArm, Bone::kRightArm, Bone::kLeftForeArm, Bone::kRightForeArm}) {
@@ -242,7 +224,7 @@ TEST(RestEvidence, LearnsKneesThatBendAboutAnotherAxis) {
     const Clip twin = with_zero_shape(clip, {}, 50.0);
     const Calibration found = rest_found(twin);
     EXPECT_EQ(found.rest_pose, "zero pose");
-    EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kLegBones), 5.0) << name;
+    EXPECT_LT(mean_turn(to_human(twin, found), lafan1_human(clip), kLegBones), 5.0) << name;
   }
 }
 
@@ -256,7 +238,7 @@ TEST(RestEvidence, LearnsCrawlingPeople) {
   for (int begin = 400; begin + 90 <= clip.frame_count(); begin += 400) {
     const Clip window = cut(clip, begin, begin + 90);
     const Calibration found = rest_found(window);
-    sum += mean_turn(to_human(window, found), true_human(window), kBodyBones);
+    sum += mean_turn(to_human(window, found), lafan1_human(window), kBodyBones);
     ++count;
   }
   EXPECT_LT(sum / count, 10.0);

@@ -13,6 +13,7 @@
 #include "human/twins.h"
 #include "retarget/plan.h"
 #include "support/recorded_clip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -106,16 +107,14 @@ void expect_same_human(const Clip& clip, Way way) {
   const auto seen = [way](const Clip& named) {
     return human_in(way == Way::kShape ? without_names(named) : named, way);
   };
-  const auto expected = seen(clip);
-  ASSERT_TRUE(expected) << describe(expected.error());
+  const auto expected = value_of(seen(clip));
   for (const auto& split : splits()) {
     for (const double share : {0.0, 0.5, 1.0}) {
       for (const Named named : {Named::kUpper, Named::kLower}) {
         SCOPED_TRACE("split " + split[0] + ", share " + std::to_string(share) +
                      (named == Named::kUpper ? ", name above" : ", name below"));
-        const auto found = seen(with_split_joints(clip, split, share, named));
-        ASSERT_TRUE(found) << describe(found.error());
-        EXPECT_LT(largest_turn_of(*found, *expected), 1e-3);
+        const auto found = value_of(seen(with_split_joints(clip, split, share, named)));
+        EXPECT_LT(largest_turn_of(found, expected), 1e-3);
       }
     }
   }
@@ -146,10 +145,9 @@ TEST(HelperJoints, MayHavePositionChannels) {
   for (const double noise : {0.0, 0.001}) {
     Clip twin = with_position_channels(
         with_split_joints(clip, {"LeftArm", "RightArm", "LeftLeg"}, 0.0, Named::kUpper), noise);
-    const auto found = find_human(twin, HumanOptions{}, RETARGET_SOURCE_DIR);
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_THAT(found->calibration.doubts, testing::IsEmpty());
-    EXPECT_LT(largest_turn_of(to_human(twin, found->calibration), expected), 0.1) << noise;
+    const auto found = value_of(find_human(twin, HumanOptions{}, RETARGET_SOURCE_DIR));
+    EXPECT_THAT(found.calibration.doubts, testing::IsEmpty());
+    EXPECT_LT(largest_turn_of(to_human(twin, found.calibration), expected), 0.1) << noise;
   }
 }
 
@@ -203,9 +201,9 @@ TEST(TwistJoints, TwistTheirBone) {
     const Clip clip = with_t_pose_as_zero(recorded_clip(name));
     const HumanClip expected = human_in(clip, Way::kNames).value();
     for (const double share : {0.0, 0.5, 1.0}) {
-      const auto found = human_in(with_twist_joints(clip, kTwistedEnds, share), Way::kNames);
-      ASSERT_TRUE(found) << describe(found.error());
-      EXPECT_LT(largest_turn_of(*found, expected), 0.1) << name << " " << share;
+      const auto found =
+          value_of(human_in(with_twist_joints(clip, kTwistedEnds, share), Way::kNames));
+      EXPECT_LT(largest_turn_of(found, expected), 0.1) << name << " " << share;
     }
   }
 }

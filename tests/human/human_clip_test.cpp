@@ -1,4 +1,4 @@
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ Clip leg_clip(const std::string& toe) {
 
 TEST(Lafan1Mapping, ConvertsYUpCentimetresToZUpMetres) {
   const Clip clip = leg_clip("LeftToe");
-  const HumanClip human = to_human(clip, lafan1_calibration(clip.skeleton()));
+  const HumanClip human = lafan1_human(clip);
   EXPECT_EQ(human.frame_count, 2);
   EXPECT_EQ(human.height, 1.75);
   const Pose& foot = human.frame(0)[Bone::kLeftFoot];
@@ -45,7 +45,7 @@ TEST(Lafan1Mapping, ConvertsYUpCentimetresToZUpMetres) {
 TEST(Lafan1Mapping, SyntheticFootHasAnklePositionAndToeRotation) {
   for (const char* toe : {"LeftToe", "LeftToeBase"}) {
     const Clip clip = leg_clip(toe);
-    const HumanClip human = to_human(clip, lafan1_calibration(clip.skeleton()));
+    const HumanClip human = lafan1_human(clip);
     const Pose& mod = human.frame(1)[Bone::kLeftFootMod];
     EXPECT_EQ(mod.translation, human.frame(1)[Bone::kLeftFoot].translation);
     EXPECT_EQ(mod.rotation.coeffs(), human.frame(1)[Bone::kLeftToe].rotation.coeffs());
@@ -57,7 +57,7 @@ TEST(Lafan1Mapping, SyntheticFootHasAnklePositionAndToeRotation) {
 
 TEST(Lafan1Mapping, OmitsMissingBones) {
   const Clip clip = leg_clip("Ball");
-  const HumanClip human = to_human(clip, lafan1_calibration(clip.skeleton()));
+  const HumanClip human = lafan1_human(clip);
   EXPECT_TRUE(human.has(Bone::kLeftFoot));
   EXPECT_EQ(human.sources[Bone::kLeftFoot], "LeftFoot");
   EXPECT_FALSE(human.has(Bone::kLeftToe));

@@ -14,6 +14,8 @@
 #include "human/skeleton/joint_tree.h"
 #include "retarget/clip.h"
 #include "support/angles.h"
+#include "support/value_of.h"
+#include "support/world_poses.h"
 
 namespace retarget {
 namespace {
@@ -103,16 +105,7 @@ std::vector<Figure> moving(int frames = 60) {
 }
 
 Clip clip_of(const JointMotion& motion) {
-  Result<Clip> clip = clip_of_joints(motion, "walk.npy");
-  if (clip) return *std::move(clip);
-  ADD_FAILURE() << describe(clip.error());
-  return Clip(std::make_shared<const Skeleton>(std::vector<Joint>(1)), FrameRate{}, 0);
-}
-
-std::vector<Pose> world_of(const Clip& clip, int frame) {
-  std::vector<Pose> world(static_cast<std::size_t>(clip.skeleton().joint_count()));
-  forward_kinematics(clip, frame, world);
-  return world;
+  return value_of(clip_of_joints(motion, "walk.npy"));
 }
 
 int joint_of(const Clip& clip, const std::string& name) {
@@ -130,7 +123,7 @@ TEST(JointClipTest, KeepsJointPositions) {
   const Clip clip = clip_of(motion);
   ASSERT_EQ(clip.skeleton().joint_count(), 22);
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    const auto world = world_of(clip, frame);
+    const auto world = world_poses(clip, frame);
     for (int joint = 0; joint < 22; ++joint) {
       const Vector3d& place = world[joint_of(clip, motion.names[joint])].translation;
       EXPECT_LT((place - motion.position(frame, joint)).norm(), 1e-9) << motion.names[joint];
@@ -150,7 +143,7 @@ TEST(JointClipTest, LimbsOfFixedLengthHaveFixedOffsets) {
 TEST(JointClipTest, TheZeroPoseIsATPose) {
   const Clip clip = clip_of(motion_of(moving()));
   Clip zero = clip.empty_like(clip.rate(), 1);
-  const auto world = world_of(zero, 0);
+  const auto world = world_poses(zero, 0);
   const auto way = [&](const char* from, const char* to) {
     return Vector3d(
         (world[joint_of(clip, to)].translation - world[joint_of(clip, from)].translation)
@@ -168,7 +161,7 @@ TEST(JointClipTest, TheZeroPoseIsATPose) {
 // Rotation of a joint between two frames.
 double turn_between(const Clip& clip, const std::string& name, int a, int b) {
   const int joint = joint_of(clip, name);
-  return world_of(clip, a)[joint].rotation.angularDistance(world_of(clip, b)[joint].rotation);
+  return world_poses(clip, a)[joint].rotation.angularDistance(world_poses(clip, b)[joint].rotation);
 }
 
 TEST(JointClipTest, PlaneOfTheBendDeterminesTheRoll) {
@@ -231,7 +224,7 @@ TEST(JointClipTest, WarnsAboutVaryingLimbLengths) {
   }
   const Clip clip = clip_of(motion);
   EXPECT_THAT(warnings_of(clip), HasSubstr("limb lengths vary by"));
-  const auto world = world_of(clip, 7);
+  const auto world = world_poses(clip, 7);
   EXPECT_LT((world[joint_of(clip, "left_wrist")].translation - motion.position(7, 20)).norm(),
             1e-9);
 }
@@ -276,7 +269,7 @@ TEST(JointClipTest, FindsTheJointOrderFromPositions) {
     const Clip clip = clip_of(in_order(motion, order, names));
     EXPECT_THAT(warnings_of(clip), HasSubstr("the joint order of " + std::string(order.name)));
     EXPECT_LT(
-        (world_of(clip, 9)[joint_of(clip, "LeftForeArm")].translation - motion.position(9, 18))
+        (world_poses(clip, 9)[joint_of(clip, "LeftForeArm")].translation - motion.position(9, 18))
             .norm(),
         1e-9);
   }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -6,6 +6,7 @@
 
 #include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -51,15 +52,14 @@ TEST(LimbSearch, ChoosesAmongDuplicatesOfOptionalBones) {
            replaced(line, " 0 -6", " -2 -6") + "\n";
   });
   const Skeleton skeleton = tiny_skeleton(body);
-  const auto map = by_names(body);
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->profile, "names");
+  const auto map = value_of(by_names(body));
+  EXPECT_EQ(map.profile, "names");
   for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "Head"}) {
-    EXPECT_GE(map->joint(bone_from_name(bone).value()), 0) << bone;
-    EXPECT_THAT(map->notes, Contains(HasSubstr("could each be the " + std::string(bone)))) << bone;
+    EXPECT_GE(map.joint(bone_from_name(bone).value()), 0) << bone;
+    EXPECT_THAT(map.notes, Contains(HasSubstr("could each be the " + std::string(bone)))) << bone;
   }
-  EXPECT_EQ(joint_name(*map, skeleton, "LeftToe").substr(4),
-            joint_name(*map, skeleton, "RightToe").substr(5));
+  EXPECT_EQ(joint_name(map, skeleton, "LeftToe").substr(4),
+            joint_name(map, skeleton, "RightToe").substr(5));
 }
 
 TEST(LimbSearch, UsesTheMiddleToe) {
@@ -75,10 +75,9 @@ TEST(LimbSearch, UsesTheMiddleToe) {
     }
     return toes;
   });
-  const auto map = by_names(body);
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "LeftToe"), "LeftToe3");
-  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "RightToe"), "RightToe3");
+  const auto map = value_of(by_names(body));
+  EXPECT_EQ(joint_name(map, tiny_skeleton(body), "LeftToe"), "LeftToe3");
+  EXPECT_EQ(joint_name(map, tiny_skeleton(body), "RightToe"), "RightToe3");
 }
 
 TEST(LimbSearch, OmitsAToeWithADuplicateName) {
@@ -86,11 +85,10 @@ TEST(LimbSearch, OmitsAToeWithADuplicateName) {
     return line.find("LeftToeBase") == std::string::npos ? line + "\n" : line + "\n" + line + "\n";
   });
   for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
-    const auto map = recognise_skeleton(tiny_skeleton(body), profiles);
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->joint(Bone::kLeftToe), -1);
-    EXPECT_GE(map->joint(Bone::kRightToe), 0);
-    EXPECT_THAT(map->notes, Contains(HasSubstr("2 joints are called \"LeftToeBase\"")));
+    const auto map = value_of(recognise_skeleton(tiny_skeleton(body), profiles));
+    EXPECT_EQ(map.joint(Bone::kLeftToe), -1);
+    EXPECT_GE(map.joint(Bone::kRightToe), 0);
+    EXPECT_THAT(map.notes, Contains(HasSubstr("2 joints are called \"LeftToeBase\"")));
   }
 }
 
@@ -139,9 +137,8 @@ root 0 9 0
 TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
   const Skeleton skeleton = tiny_skeleton(makehuman_body());
   for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
-    const auto map = recognise_skeleton(skeleton, profiles);
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->profile, profiles.empty() ? "names" : "makehuman_default");
+    const auto map = value_of(recognise_skeleton(skeleton, profiles));
+    EXPECT_EQ(map.profile, profiles.empty() ? "names" : "makehuman_default");
     for (const auto& [bone, joint] :
          std::vector<std::pair<const char*, const char*>>{{"Hips", "root"},
                                                           {"LeftUpLeg", "upperleg01.L"},
@@ -155,9 +152,9 @@ TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
                                                           {"RightArm", "upperarm01.R"},
                                                           {"RightForeArm", "lowerarm01.R"},
                                                           {"RightHand", "wrist.R"}}) {
-      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->profile;
+      EXPECT_EQ(joint_name(map, skeleton, bone), joint) << bone << " by " << map.profile;
     }
-    EXPECT_THAT(map->notes, Contains(HasSubstr("folded into the limbs: \"upperleg02.L\"")));
+    EXPECT_THAT(map.notes, Contains(HasSubstr("folded into the limbs: \"upperleg02.L\"")));
   }
   // leg1 and leg2 are thigh and shin, not two parts of a thigh.
   const auto map = by_names(
@@ -187,12 +184,11 @@ void expect_no_arm(const std::string& body, const std::string& missing, const st
     ASSERT_FALSE(refused) << "LeftArm is " << joint_name(*refused, skeleton, "LeftArm");
     EXPECT_EQ(refused.error().message, "no " + missing + " found in the skeleton");
     EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("partial")));
-    const auto map = recognise_skeleton(skeleton, profiles, {.partial = true});
-    ASSERT_TRUE(map) << describe(map.error());
+    const auto map = value_of(recognise_skeleton(skeleton, profiles, {.partial = true}));
     for (const std::string part : {"Shoulder", "Arm"}) {
-      EXPECT_EQ(joint_name(*map, skeleton, (side + part).c_str()), side + part);
+      EXPECT_EQ(joint_name(map, skeleton, (side + part).c_str()), side + part);
     }
-    EXPECT_EQ(map->joint(bone_from_name(side + "ForeArm").value()), -1);
+    EXPECT_EQ(map.joint(bone_from_name(side + "ForeArm").value()), -1);
   }
 }
 
@@ -223,22 +219,20 @@ TEST(LimbSearch, WordsMeanTheSameBoneOnBothSides) {
 
 TEST(LimbSearch, UnnamedForearmIsNotTheUpperArm) {
   const std::string body = replaced(replaced(kBody, "LeftForeArm", "Kq1"), "RightForeArm", "Zw7");
-  const auto map = by_names(body);
-  ASSERT_TRUE(map) << describe(map.error());
+  const auto map = value_of(by_names(body));
   const Skeleton skeleton = tiny_skeleton(body);
-  EXPECT_EQ(joint_name(*map, skeleton, "LeftShoulder"), "LeftShoulder");
-  EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), "LeftArm");
-  EXPECT_EQ(joint_name(*map, skeleton, "LeftForeArm"), "Kq1");
-  EXPECT_EQ(joint_name(*map, skeleton, "RightForeArm"), "Zw7");
+  EXPECT_EQ(joint_name(map, skeleton, "LeftShoulder"), "LeftShoulder");
+  EXPECT_EQ(joint_name(map, skeleton, "LeftArm"), "LeftArm");
+  EXPECT_EQ(joint_name(map, skeleton, "LeftForeArm"), "Kq1");
+  EXPECT_EQ(joint_name(map, skeleton, "RightForeArm"), "Zw7");
 }
 
 TEST(LimbSearch, ShoulderArmAndHandFormAnArm) {
   std::string body = replaced(replaced(kBody, "Shoulder", "Base"), "Arm ", "Shoulder ");
   body = replaced(body, "ForeShoulder", "Arm");
-  const auto map = by_names(body);
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "LeftArm"), "LeftShoulder");
-  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "LeftForeArm"), "LeftArm");
+  const auto map = value_of(by_names(body));
+  EXPECT_EQ(joint_name(map, tiny_skeleton(body), "LeftArm"), "LeftShoulder");
+  EXPECT_EQ(joint_name(map, tiny_skeleton(body), "LeftForeArm"), "LeftArm");
 }
 
 }  // namespace

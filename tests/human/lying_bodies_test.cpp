@@ -10,9 +10,12 @@
 #include "base/option_name.h"
 #include "formats/bvh/read_bvh.h"
 #include "formats/smpl/smpl_body.h"
+#include "human/doubts.h"
 #include "human/posture_targets.h"
 #include "human/postures.h"
 #include "human/skeleton/recognise.h"
+#include "support/recorded_clip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -30,14 +33,8 @@ const std::vector<SkeletonProfile>& profiles() {
 }
 
 const Clip& walk() {
-  static const Clip clip = load_bvh(source_folder() + "/data/walk.bvh").value().clip;
+  static const Clip clip = recorded_clip("walk");
   return clip;
-}
-
-bool names_up_option(const Calibration& calibration) {
-  return std::ranges::any_of(calibration.doubts, [](const Warning& doubt) {
-    return doubt.message.find(OPTION("up")) != std::string::npos;
-  });
 }
 
 enum class Demand : unsigned char { kRight, kRightOrWarned };
@@ -48,13 +45,11 @@ void expect_up(const PostureTarget& target, Posture posture, double heading, Dem
   static const PostureClips postures(walk());
   Clip clip = transfer(postures.make(posture, heading, 60), postures.calibration(), target.target);
   clip.set_origin(target.origin);
-  const auto map = recognise_skeleton(clip, profiles());
-  ASSERT_TRUE(map) << describe(map.error());
-  const auto found = calibrate(clip, *map, {});
-  ASSERT_TRUE(found) << describe(found.error());
-  const bool is_right = found->up == target.target.calibration.up;
-  EXPECT_TRUE(is_right || (demand == Demand::kRightOrWarned && names_up_option(*found)))
-      << to_text(found->up);
+  const auto map = value_of(recognise_skeleton(clip, profiles()));
+  const auto found = value_of(calibrate(clip, map, {}));
+  const bool is_right = found.up == target.target.calibration.up;
+  EXPECT_TRUE(is_right || (demand == Demand::kRightOrWarned && has_doubt(found, OPTION("up"))))
+      << to_text(found.up);
 }
 
 void expect_up_in_all_postures(const PostureTarget& target, Demand demand) {
@@ -163,7 +158,7 @@ TEST(LyingBodies, AreCorrectOrWarnedAboutInRecordedExcerpts) {
       ASSERT_TRUE(plain && turned);
       EXPECT_EQ(to_text(plain->up), "+y");
       const bool is_right = to_text(turned->up) == "+z";
-      EXPECT_TRUE(is_right || names_up_option(*turned)) << to_text(turned->up);
+      EXPECT_TRUE(is_right || has_doubt(*turned, OPTION("up"))) << to_text(turned->up);
       turned_back += is_right ? 1 : 0;
     }
   }

@@ -6,16 +6,16 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <random>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "base/option_name.h"
 #include "formats/smpl/joint_motion.h"
+#include "human/doubts.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/joint_clip.h"
 #include "human/skeleton/recognise.h"
+#include "support/normal_numbers.h"
 
 namespace retarget {
 namespace {
@@ -139,13 +139,7 @@ struct Variant {
 
 Clip lying_clip(const Script& script, const Layout& layout, const Variant& variant) {
   constexpr double kFps = 30.0;
-  std::mt19937 random(7);
-  // The sum of uniform numbers is the same with every library; its standard deviation is 1.
-  const auto normal = [&] {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += random() / 4294967296.0;
-    return sum;
-  };
+  NormalNumbers normal(7);
   JointMotion motion;
   motion.rate = FrameRate{30, 1};
   motion.up = variant.up;
@@ -153,7 +147,7 @@ Clip lying_clip(const Script& script, const Layout& layout, const Variant& varia
   for (int frame = 0; frame < motion.frame_count; ++frame) {
     for (Vector3d place : joints_of(angles_at(script, frame / kFps), layout.is_smpl)) {
       place.z() += variant.shift;
-      for (int axis = 0; axis < 3; ++axis) place[axis] += variant.noise * normal();
+      for (int axis = 0; axis < 3; ++axis) place[axis] += variant.noise * normal.next();
       if (variant.z_up) place = Vector3d(place.x(), -place.z(), place.y());
       motion.positions.push_back(place);
     }
@@ -162,12 +156,6 @@ Clip lying_clip(const Script& script, const Layout& layout, const Variant& varia
   Clip clip = clip_of_joints(motion, "test").value();
   if (layout.has_rotations) clip.set_origin({});
   return clip;
-}
-
-bool names_up(const Calibration& calibration) {
-  return std::ranges::any_of(calibration.doubts, [](const Warning& doubt) {
-    return doubt.message.find(OPTION("up")) != std::string::npos;
-  });
 }
 
 // The axis is correct, or there is a warning; it is correct in most cases.
@@ -185,7 +173,7 @@ TEST(LyingDown, IsCorrectOrWarnedAbout) {
             ++count;
             const bool is_right = found.up == SignedAxis{z_up ? 2 : 1, false};
             right += is_right ? 1 : 0;
-            EXPECT_TRUE(is_right || names_up(found))
+            EXPECT_TRUE(is_right || has_doubt(found, OPTION("up")))
                 << script.name << ", " << layout.name << ", noise " << noise << ", shift " << shift
                 << ": " << to_text(found.up) << " instead of " << (z_up ? "z" : "y");
           }

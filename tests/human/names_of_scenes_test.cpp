@@ -11,6 +11,7 @@
 #include "human/skeleton/skeleton_profile.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -115,15 +116,13 @@ class NamesOfScenesTest : public testing::TestWithParam<Naming> {};
 
 TEST_P(NamesOfScenesTest, SkeletonIsRecognised) {
   const auto profiles =
-      load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
-  ASSERT_TRUE(profiles.has_value());
+      value_of(load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons"));
   const Skeleton skeleton = skeleton_of(GetParam());
-  const auto map = recognise_skeleton(skeleton, *profiles);
-  ASSERT_TRUE(map) << map.error().message;
-  EXPECT_THAT(map->profile, AnyOf(Eq(GetParam().profile), Eq("names"), Eq(GetParam().twin)));
+  const auto map = value_of(recognise_skeleton(skeleton, profiles));
+  EXPECT_THAT(map.profile, AnyOf(Eq(GetParam().profile), Eq("names"), Eq(GetParam().twin)));
   for (std::size_t part = 0; part < body().size(); ++part) {
     if (name_of(GetParam(), part).empty()) continue;
-    const int joint = map->joint(body()[part].bone);
+    const int joint = map.joint(body()[part].bone);
     ASSERT_GE(joint, 0) << bone_name(body()[part].bone);
     EXPECT_EQ(skeleton.joint(joint).name, name_of(GetParam(), part));
   }

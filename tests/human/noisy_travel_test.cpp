@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <random>
 #include <vector>
 
 #include "formats/smpl/joint_motion.h"
@@ -16,28 +15,13 @@
 #include "human/skeleton/joint_clip.h"
 #include "retarget/so3.h"
 #include "support/lafan1_map.h"
+#include "support/normal_numbers.h"
 #include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
-
-// Sums of uniform numbers, which are equal in every standard library.
-class Normal {
- public:
-  explicit Normal(std::uint32_t seed) : random_(seed) {}
-  Vector3d next() { return {number(), number(), number()}; }
-
- private:
-  double number() {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random_()) / 4294967296.0;
-    return sum;
-  }
-
-  std::mt19937 random_;
-};
 
 // The clip as a file of joint positions with independent errors, RMS in the clip's unit per axis.
 Clip keypoints_of(const Clip& clip, double error, std::uint32_t seed) {
@@ -46,12 +30,12 @@ Clip keypoints_of(const Clip& clip, double error, std::uint32_t seed) {
   motion.joint_count = clip.skeleton().joint_count();
   motion.names = clip.skeleton().names();
   motion.rate = clip.rate();
-  Normal normal(seed);
+  NormalNumbers normal(seed);
   std::vector<Pose> world(static_cast<std::size_t>(motion.joint_count));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     forward_kinematics(clip, frame, world);
     for (const Pose& pose : world) {
-      motion.positions.push_back(pose.translation + error * normal.next());
+      motion.positions.push_back(pose.translation + error * normal.next_vector());
     }
   }
   return clip_of_joints(motion, "walk.npy").value();
@@ -59,14 +43,14 @@ Clip keypoints_of(const Clip& clip, double error, std::uint32_t seed) {
 
 // Rotations with errors of this RMS angle about each axis, degrees, and a correlation time of 0.3 s.
 Clip with_slow_noise(Clip clip, double degrees, std::uint32_t seed) {
-  Normal normal(seed);
+  NormalNumbers normal(seed);
   const double keep = std::exp(-clip.rate().frame_time() / 0.3);
   const double fresh = std::sqrt(1.0 - keep * keep) * degrees * std::numbers::pi / 180.0;
   std::vector<Vector3d> errors(static_cast<std::size_t>(clip.skeleton().joint_count()),
                                Vector3d::Zero());
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     for (std::size_t joint = 0; joint < errors.size(); ++joint) {
-      errors[joint] = keep * errors[joint] + fresh * normal.next();
+      errors[joint] = keep * errors[joint] + fresh * normal.next_vector();
       clip.rotations(frame)[joint] = clip.rotations(frame)[joint] * exp_so3(errors[joint]);
     }
   }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "edit/transfer.h"
-#include "formats/bvh/read_bvh.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_profile.h"

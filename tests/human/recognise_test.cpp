@@ -8,9 +8,10 @@
 
 #include "formats/bvh/read_bvh.h"
 #include "human/expect_bones.h"
-#include "human/skeleton/human_clip.h"
 #include "human/tiny_skeleton.h"
+#include "retarget/human.h"
 #include "support/lafan1_map.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -62,11 +63,10 @@ TEST(Recognise, IgnoresPrefixes) {
       body += line + "\n";
     }
     const Skeleton skeleton = tiny_skeleton(body);
-    const auto map = recognise(skeleton);
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), prefix + "LeftArm");
-    EXPECT_NE(map->profile, "topology");
-    EXPECT_EQ(map->profile == "mixamo", prefix.starts_with("mixamo"));
+    const auto map = value_of(recognise(skeleton));
+    EXPECT_EQ(joint_name(map, skeleton, "LeftArm"), prefix + "LeftArm");
+    EXPECT_NE(map.profile, "topology");
+    EXPECT_EQ(map.profile == "mixamo", prefix.starts_with("mixamo"));
   }
 }
 
@@ -113,10 +113,9 @@ TEST(Recognise, NumberedSegmentsHaveNoSide) {
 
 TEST(Recognise, UsesShapeIfNamesAreMeaningless) {
   const Skeleton body = tiny_skeleton(kBody);
-  const auto map = recognise(with_names(body, meaningless_names(body)));
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->profile, "topology");
-  EXPECT_EQ(map->joint_of_bone, recognise(body)->joint_of_bone);
+  const auto map = value_of(recognise(with_names(body, meaningless_names(body))));
+  EXPECT_EQ(map.profile, "topology");
+  EXPECT_EQ(map.joint_of_bone, recognise(body)->joint_of_bone);
 }
 
 TEST(Recognise, ShapeOverridesMixedUpNames) {
@@ -126,9 +125,8 @@ TEST(Recognise, ShapeOverridesMixedUpNames) {
   for (int round = 0; round < 20; ++round) {
     std::vector<std::string> names = body.names();
     std::ranges::shuffle(names, random);
-    const auto map = recognise(with_names(body, names));
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->joint_of_bone, expected);
+    const auto map = value_of(recognise(with_names(body, names)));
+    EXPECT_EQ(map.joint_of_bone, expected);
   }
 }
 
@@ -160,10 +158,9 @@ Hips 0 90 0
 )";
   expect_bones(body, {{"LeftUpLeg", "LeftUpLeg"}, {"LeftArm", "LeftArm"}, {"Spine2", "Spine2"}});
   const Skeleton skeleton = tiny_skeleton(body);
-  const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(joint_name(*map, skeleton, "LeftUpLeg"), "LeftUpLeg");
-  EXPECT_EQ(joint_name(*map, skeleton, "RightArm"), "RightArm");
+  const auto map = value_of(recognise(with_names(skeleton, meaningless_names(skeleton))));
+  EXPECT_EQ(joint_name(map, skeleton, "LeftUpLeg"), "LeftUpLeg");
+  EXPECT_EQ(joint_name(map, skeleton, "RightArm"), "RightArm");
 }
 
 TEST(Recognise, IgnoresProps) {
@@ -174,9 +171,8 @@ TEST(Recognise, IgnoresProps) {
   body += "  Holster -15 0 0\n    Pistol 0 -20 0\n  Cape 0 20 -10\n    Cape1 0 -40 0\n";
   expect_bones(body, {{"LeftHand", "LeftHand"}, {"RightHand", "RightHand"}, {"Hips", "Hips"}});
   const Skeleton skeleton = tiny_skeleton(body);
-  const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->joint_of_bone, recognise(skeleton)->joint_of_bone);
+  const auto map = value_of(recognise(with_names(skeleton, meaningless_names(skeleton))));
+  EXPECT_EQ(map.joint_of_bone, recognise(skeleton)->joint_of_bone);
 }
 
 // A body with this number of spine joints, 42 long in all; the arms hang from the last one.
@@ -269,10 +265,9 @@ Bip01 0 90 0
         Bip01 R Calf 0 -42 0.5
           Bip01 R Foot 0 -41 -0.5
 )");
-  const auto map = recognise(skeleton);
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(joint_name(*map, skeleton, "Hips"), "Bip01 Spine");
-  EXPECT_EQ(joint_name(*map, skeleton, "Spine2"), "Bip01 Spine1");
+  const auto map = value_of(recognise(skeleton));
+  EXPECT_EQ(joint_name(map, skeleton, "Hips"), "Bip01 Spine");
+  EXPECT_EQ(joint_name(map, skeleton, "Spine2"), "Bip01 Spine1");
 }
 
 TEST(Recognise, WarnsAboutBackwardToes) {
@@ -294,14 +289,12 @@ TEST(Recognise, IncludedSamplesAreLafan1) {
     SCOPED_TRACE(name);
     const auto path = std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name;
     const Clip clip = load_bvh(path.string() + ".bvh").value().clip;
-    const auto map = recognise_skeleton(clip, shipped_profiles());
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->profile, "lafan1");
-    EXPECT_EQ(map->notes, std::vector<std::string>());
+    const auto map = value_of(recognise_skeleton(clip, shipped_profiles()));
+    EXPECT_EQ(map.profile, "lafan1");
+    EXPECT_EQ(map.notes, std::vector<std::string>());
     // The motion determines the sides if neither names nor zero pose do.
-    const auto by_shape = recognise_skeleton(without_names(clip), shipped_profiles());
-    ASSERT_TRUE(by_shape) << describe(by_shape.error());
-    EXPECT_EQ(by_shape->joint_of_bone, map->joint_of_bone);
+    const auto by_shape = value_of(recognise_skeleton(without_names(clip), shipped_profiles()));
+    EXPECT_EQ(by_shape.joint_of_bone, map.joint_of_bone);
   }
 }
 
@@ -321,11 +314,10 @@ Hips 0 90 0
     RightArm -17 18 0
       RightForeArm -29 0 0
 )");
-  const auto map = recognise(skeleton);
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_FALSE(map->partial);
-  EXPECT_THAT(map->notes, Contains("not in the source: LeftToe, RightToe, Spine, Spine1, Neck, "
-                                   "LeftShoulder, LeftHand, RightShoulder, RightHand"));
+  const auto map = value_of(recognise(skeleton));
+  EXPECT_FALSE(map.partial);
+  EXPECT_THAT(map.notes, Contains("not in the source: LeftToe, RightToe, Spine, Spine1, Neck, "
+                                  "LeftShoulder, LeftHand, RightShoulder, RightHand"));
 }
 
 TEST(Recognise, Lafan1MatchesThePublishedMethod) {
@@ -336,12 +328,11 @@ TEST(Recognise, Lafan1MatchesThePublishedMethod) {
   for (const std::string& body :
        {std::string(kLafan1), replaced(kLafan1, "Toe", "ToeBase"), further}) {
     const Skeleton skeleton = tiny_skeleton(body);
-    const auto map = recognise(skeleton);
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->profile, "lafan1");
+    const auto map = value_of(recognise(skeleton));
+    EXPECT_EQ(map.profile, "lafan1");
     const Calibration published = lafan1_calibration(skeleton);
     for (const Bone bone : kMappedBones) {
-      EXPECT_EQ(map->joint_of_bone[bone], published.bones[bone].position_joint) << bone_name(bone);
+      EXPECT_EQ(map.joint_of_bone[bone], published.bones[bone].position_joint) << bone_name(bone);
     }
   }
 }
@@ -353,11 +344,10 @@ TEST(Recognise, Lafan1NamesWithOtherAxesHaveAnotherProfile) {
 
 // Skeletons with HumanIK's names call the toes LeftToeBase or, as LAFAN1, LeftToe.
 TEST(Recognise, ProfilesWithHumanIkNamesKnowBothNamesOfToes) {
-  const auto map = recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")));
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->profile, "human_ik");
+  const auto map = value_of(recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe"))));
+  EXPECT_EQ(map.profile, "human_ik");
   for (const Bone bone : {Bone::kLeftToe, Bone::kRightToe}) {
-    EXPECT_GE(map->joint_of_bone[bone], 0) << bone_name(bone);
+    EXPECT_GE(map.joint_of_bone[bone], 0) << bone_name(bone);
   }
   for (const SkeletonProfile& profile : shipped_profiles()) {
     const auto& required = profile.required;

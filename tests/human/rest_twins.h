@@ -2,13 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <functional>
-#include <string>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "human/twins.h"
 #include "retarget/clip.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 
 namespace retarget {

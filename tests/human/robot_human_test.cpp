@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 
 namespace retarget {

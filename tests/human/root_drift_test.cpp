@@ -26,6 +26,7 @@ struct DriftingBody {
 };
 
 using Path = std::function<Vector3d(double seconds)>;
+using FootPath = std::function<Vector3d(int foot, double seconds)>;
 
 Vector3d nowhere(double) {
   return Vector3d::Zero();
@@ -44,8 +45,7 @@ Vector3d foot_of_walker(int foot, double seconds) {
   return {along - 0.5 * foot * kStride, foot == 0 ? 0.1 : -0.1, up};
 }
 
-DriftingBody body_of(int frames, const Path& off,
-                     const std::function<Vector3d(int, double)>& foot_at) {
+DriftingBody body_of(int frames, const Path& off, const FootPath& foot_at) {
   DriftingBody body;
   body.feet.frame_time = kDriftFrameTime;
   body.feet.foot_count = 2;
@@ -173,11 +173,15 @@ TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
   EXPECT_TRUE(evidence.climbs());
 }
 
+Path shaking(double height) {
+  return [height](double seconds) {
+    return Vector3d(0.0, 0.0, height * std::sin(2.0 * kPi * 0.6 * seconds));
+  };
+}
+
 TEST(RootDrift, MeasuresShakingOfTheHeight) {
   // A horizontal oscillation of 2 cm would be too slow to count.
-  const auto shake = [](double seconds) {
-    return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
-  };
+  const Path shake = shaking(0.02);
   const RootEvidence evidence = evidence_of(body_of(300, shake, foot_of_walker));
   EXPECT_LT(evidence.single_speed, 0.1);
   EXPECT_TRUE(evidence.moves());
@@ -207,9 +211,7 @@ TEST(RootDrift, FeetThatRollDoNotClimbDuringSway) {
 }
 
 TEST(RootDrift, DoesNotAddUpTheStepsOfFeetThatRoll) {
-  const auto shake = [](double seconds) {
-    return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
-  };
+  const Path shake = shaking(0.02);
   const DriftingBody body = body_of(300, shake, foot_that_rolls);
   const RootEvidence evidence = evidence_of(body);
   EXPECT_TRUE(evidence.climbs());
@@ -311,16 +313,19 @@ TEST(RootDrift, DoesNotChangeACorrectRoot) {
   EXPECT_LT(farthest_left(body, nowhere, found), 0.05);
 }
 
-TEST(RootDrift, KeepsAStepAboveTheFloor) {
-  // Up to a box 0.3 m high after half of the clip, during sway.
-  const auto foot_at = [](int foot, double seconds) {
+// A step onto a box after half of the clip.
+FootPath onto_box(double height) {
+  return [height](int foot, double seconds) {
     Vector3d place = resting_foot(foot, seconds);
     const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);
     place.x() = 0.3 * rise;
-    place.z() = 0.3 * rise * rise * (3.0 - 2.0 * rise);
+    place.z() = height * rise * rise * (3.0 - 2.0 * rise);
     return place;
   };
-  const DriftingBody body = body_of(270, sway, foot_at);
+}
+
+TEST(RootDrift, KeepsAStepAboveTheFloor) {
+  const DriftingBody body = body_of(270, sway, onto_box(0.3));
   const RootEvidence evidence = evidence_of(body);
   EXPECT_TRUE(evidence.moves());
   EXPECT_FALSE(evidence.climbs());
@@ -332,18 +337,8 @@ TEST(RootDrift, KeepsAStepAboveTheFloor) {
 }
 
 TEST(RootDrift, DoesNotTakeABoxForTheClimbOfFeetThatRoll) {
-  // Up to a box 0.6 m high after half of the clip, while the height shakes.
-  const auto foot_at = [](int foot, double seconds) {
-    Vector3d place = resting_foot(foot, seconds);
-    const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);
-    place.x() = 0.3 * rise;
-    place.z() = 0.6 * rise * rise * (3.0 - 2.0 * rise);
-    return place;
-  };
-  const auto shake = [](double seconds) {
-    return Vector3d(0.0, 0.0, 0.03 * std::sin(2.0 * kPi * 0.6 * seconds));
-  };
-  const DriftingBody body = body_of(270, shake, foot_at);
+  const Path shake = shaking(0.03);
+  const DriftingBody body = body_of(270, shake, onto_box(0.6));
   const RootDrift found = find_root_drift(body.feet, body.hips, {false, true, false});
   // The box may end up on the floor, but the floor before it does not climb.
   for (const int frame : {30, 60, 90, 110}) {

@@ -6,6 +6,7 @@
 #include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -13,23 +14,22 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(SkeletonProfile, ReadsEveryKey) {
-  const auto profile = parse_skeleton_profile(R"({
+  const auto profile = value_of(parse_skeleton_profile(R"({
     "description": "a kind",
     "joints": {"Hips": "Pelvis", "LeftToe": ["LToe", "LBall"]},
     "required": ["Pelvis"], "others": ["Tip"], "marks": ["kind:"],
     "parents": {"LToe": "LFoot"}, "directions": {"LToe": [0, 0, 2]},
     "height_m": 1.7, "metres_per_unit": 0.0254, "up": [0, 0, 1], "rest_pose": "zero"
   })",
-                                              "kind", "kind.json");
-  ASSERT_TRUE(profile) << describe(profile.error());
-  EXPECT_EQ(profile->name, "kind");
-  EXPECT_EQ(profile->names[Bone::kHips], std::vector<std::string>{"Pelvis"});
-  EXPECT_EQ(profile->names[Bone::kLeftToe], (std::vector<std::string>{"LToe", "LBall"}));
-  EXPECT_EQ(profile->directions[0].second, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(profile->facts.height, 1.7);
-  EXPECT_EQ(profile->facts.metres_per_unit, 0.0254);
-  EXPECT_EQ(profile->facts.up, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(profile->facts.rest, RestPose::kZero);
+                                                       "kind", "kind.json"));
+  EXPECT_EQ(profile.name, "kind");
+  EXPECT_EQ(profile.names[Bone::kHips], std::vector<std::string>{"Pelvis"});
+  EXPECT_EQ(profile.names[Bone::kLeftToe], (std::vector<std::string>{"LToe", "LBall"}));
+  EXPECT_EQ(profile.directions[0].second, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(profile.facts.height, 1.7);
+  EXPECT_EQ(profile.facts.metres_per_unit, 0.0254);
+  EXPECT_EQ(profile.facts.up, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(profile.facts.rest, RestPose::kZero);
 }
 
 TEST(SkeletonProfile, ReportsEveryError) {
@@ -57,10 +57,9 @@ TEST(SkeletonProfile, RejectsEmptyFolders) {
   std::ignore = folder.write("b.json", R"({"joints": {"Hips": "B"}})");
   std::ignore = folder.write("a.json", R"({"joints": {"Hips": "A"}})");
   std::ignore = folder.write("notes.txt", "no skeleton profile");
-  const auto profiles = load_skeleton_profiles(folder.path());
-  ASSERT_TRUE(profiles);
-  ASSERT_EQ(profiles->size(), 2U);
-  EXPECT_EQ(profiles->at(0).name, "a");
+  const auto profiles = value_of(load_skeleton_profiles(folder.path()));
+  ASSERT_EQ(profiles.size(), 2U);
+  EXPECT_EQ(profiles.at(0).name, "a");
 }
 
 // A body with exactly the joint names of a profile; empty for kinds with other trees.
@@ -102,13 +101,12 @@ TEST(SkeletonProfile, IncludedDialectsRecogniseTheirOwnNames) {
       continue;
     }
     const Skeleton skeleton = body_of_profile(profile);
-    const auto map = recognise_skeleton(skeleton, shipped_profiles());
-    ASSERT_TRUE(map) << describe(map.error());
+    const auto map = value_of(recognise_skeleton(skeleton, shipped_profiles()));
     for (const Bone bone : kMappedBones) {
       if (profile.names[bone].empty()) continue;
-      EXPECT_EQ(joint_name(*map, skeleton, std::string(bone_name(bone)).c_str()),
+      EXPECT_EQ(joint_name(map, skeleton, std::string(bone_name(bone)).c_str()),
                 profile.names[bone][0])
-          << "as " << map->profile;
+          << "as " << map.profile;
     }
   }
 }
@@ -191,13 +189,12 @@ TEST(SkeletonProfile, IgnoresMiddleMarks) {
   }
   const Skeleton skeleton(joints);
   for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
-    const auto map = recognise_skeleton(skeleton, profiles);
-    ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->profile, profiles.empty() ? "names" : "vroid");
-    EXPECT_EQ(joint_name(*map, skeleton, "Neck"), "J_Bip_C_Neck");
-    EXPECT_EQ(joint_name(*map, skeleton, "Head"), "J_Bip_C_Head");
-    EXPECT_EQ(joint_name(*map, skeleton, "Spine2"), "J_Bip_C_UpperChest");
-    EXPECT_EQ(joint_name(*map, skeleton, "LeftLeg"), "J_Bip_L_LowerLeg");
+    const auto map = value_of(recognise_skeleton(skeleton, profiles));
+    EXPECT_EQ(map.profile, profiles.empty() ? "names" : "vroid");
+    EXPECT_EQ(joint_name(map, skeleton, "Neck"), "J_Bip_C_Neck");
+    EXPECT_EQ(joint_name(map, skeleton, "Head"), "J_Bip_C_Head");
+    EXPECT_EQ(joint_name(map, skeleton, "Spine2"), "J_Bip_C_UpperChest");
+    EXPECT_EQ(joint_name(map, skeleton, "LeftLeg"), "J_Bip_L_LowerLeg");
   }
 }
 

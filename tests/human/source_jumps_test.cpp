@@ -6,7 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include "formats/bvh/read_bvh.h"
 #include "retarget/human_poser.h"
 #include "retarget/so3.h"
 #include "support/lafan1_map.h"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <functional>
-#include <utility>
 #include <vector>
 
 #include "formats/smpl/joint_motion.h"

@@ -5,14 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <string>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/calibrate.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
 

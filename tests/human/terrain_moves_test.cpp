@@ -4,17 +4,16 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "formats/bvh/read_bvh.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/scene_from_motion.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -144,10 +143,9 @@ TEST(TerrainMoves, DoesNotMoveAStandingHuman) {
 
 TEST(TerrainMoves, SceneFromMotionFindsTheSteps) {
   const OnTerrain on = put_walk_on(stairs(0.12, 0.4));
-  const auto found = scene_from_motion(on.clip, on.calibration);
-  ASSERT_TRUE(found);
-  ASSERT_GE(found->surfaces.size(), 3u);
-  for (const FoundSurface& surface : found->surfaces) {
+  const auto found = value_of(scene_from_motion(on.clip, on.calibration));
+  ASSERT_GE(found.surfaces.size(), 3u);
+  for (const FoundSurface& surface : found.surfaces) {
     const double steps = std::round(surface.height / 0.12);
     EXPECT_NEAR(surface.height, 0.12 * steps, 0.02) << surface.body;
     EXPECT_GE(steps, 1.0);
@@ -158,9 +156,8 @@ TEST(TerrainMoves, SceneFromMotionFindsTheSteps) {
 TEST(TerrainMoves, SceneFromMotionFindsNothingOnAFlatFloor) {
   for (const char* name : {"walk", "squat", "turn_in_place", "wave"}) {
     const Clip clip = recorded_clip(name);
-    const auto found = scene_from_motion(clip, lafan1_calibration(clip.skeleton()));
-    ASSERT_TRUE(found) << name;
-    EXPECT_TRUE(found->scene.bodies.empty()) << name;
+    const auto found = value_of(scene_from_motion(clip, lafan1_calibration(clip.skeleton())));
+    EXPECT_TRUE(found.scene.bodies.empty()) << name;
   }
 }
 

@@ -10,6 +10,7 @@
 #include "human/skeleton/skeleton_profile.h"
 #include "retarget/clip.h"
 #include "retarget/human_skeleton.h"
+#include "support/with_joints.h"
 
 namespace retarget {
 
@@ -140,12 +141,7 @@ inline std::vector<std::string> meaningless_names(const Skeleton& skeleton) {
 /// The motion on a skeleton with meaningless names.
 inline Clip without_names(const Clip& clip) {
   const Skeleton unnamed = with_names(clip.skeleton(), meaningless_names(clip.skeleton()));
-  Clip same(std::make_shared<const Skeleton>(unnamed), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(clip.rotations(frame), same.rotations(frame).begin());
-    std::ranges::copy(clip.translations(frame), same.translations(frame).begin());
-  }
-  return same;
+  return with_joints(clip, unnamed.joints());
 }
 
 /// recognise_skeleton with the shipped profiles.

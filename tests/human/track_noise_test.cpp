@@ -9,6 +9,7 @@
 
 #include "retarget/so3.h"
 #include "support/angles.h"
+#include "support/normal_numbers.h"
 
 namespace retarget {
 namespace {
@@ -31,17 +32,11 @@ std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double h
 
 // Errors with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
 std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double degrees) {
-  std::mt19937 random(7);
+  NormalNumbers normal(7);
   const double keep = std::exp(-kNoiseFrameTime / 0.3);
-  // Sums of uniform numbers are equal in every standard library.
-  const auto gauss = [&] {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
-    return sum;
-  };
   Vector3d error = Vector3d::Zero();
   for (Quaterniond& rotation : rotations) {
-    const Vector3d fresh(gauss(), gauss(), gauss());
+    const Vector3d fresh = normal.next_vector();
     error = keep * error + std::sqrt(1.0 - keep * keep) * degrees * kDegree * fresh;
     rotation = rotation * exp_so3(error);
   }
@@ -51,14 +46,9 @@ std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double d
 // Independent errors of this RMS angle about each axis, degrees.
 std::vector<Quaterniond> with_independent_errors(std::vector<Quaterniond> rotations,
                                                  double degrees) {
-  std::mt19937 random(5);
-  const auto gauss = [&] {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
-    return sum;
-  };
+  NormalNumbers normal(5);
   for (Quaterniond& rotation : rotations) {
-    const Vector3d error(gauss(), gauss(), gauss());
+    const Vector3d error = normal.next_vector();
     rotation = rotation * exp_so3(degrees * kDegree * error);
   }
   return rotations;
@@ -196,19 +186,14 @@ TEST(TrackNoise, IsWhiteIfErrorsAreIndependent) {
 }
 
 // Tracks of random errors about three axes.
-std::vector<TrackNoise> noises_of_errors(std::mt19937& random, int tracks, int frames,
+std::vector<TrackNoise> noises_of_errors(NormalNumbers& normal, int tracks, int frames,
                                          bool accumulate) {
   std::vector<TrackNoise> noises;
   for (int track = 0; track < tracks; ++track) {
     std::vector<Vector3d> places;
     Vector3d last = Vector3d::Zero();
     for (int frame = 0; frame < frames; ++frame) {
-      Vector3d error;
-      // Sums of uniform numbers are equal in every standard library.
-      for (double& number : error) {
-        number = -6.0;
-        for (int i = 0; i < 12; ++i) number += static_cast<double>(random()) / 4294967296.0;
-      }
+      Vector3d error = normal.next_vector();
       if (accumulate) error += last;
       last = error;
       places.push_back(error);
@@ -220,13 +205,13 @@ std::vector<TrackNoise> noises_of_errors(std::mt19937& random, int tracks, int f
 
 TEST(TrackNoise, AccumulatedErrorsAreNotWhiteInShortClips) {
   constexpr int kClips = 100;
-  std::mt19937 random(3);
+  NormalNumbers normal(3);
   for (const int tracks : {3, 20}) {
     for (const int frames : {30, 45, 60, 90, 300}) {
       int wrong = 0, right = 0;
       for (int clip = 0; clip < kClips; ++clip) {
-        wrong += has_white_noise(noises_of_errors(random, tracks, frames, true)) ? 1 : 0;
-        right += has_white_noise(noises_of_errors(random, tracks, frames, false)) ? 1 : 0;
+        wrong += has_white_noise(noises_of_errors(normal, tracks, frames, true)) ? 1 : 0;
+        right += has_white_noise(noises_of_errors(normal, tracks, frames, false)) ? 1 : 0;
       }
       EXPECT_LE(wrong, 4) << tracks << ' ' << frames;
       // If in doubt, errors accumulate.

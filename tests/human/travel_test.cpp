@@ -6,13 +6,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <utility>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "support/accelerated.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
@@ -30,10 +28,6 @@ TravelReport scale(Clip& clip, const TravelRule& rule) {
 
 TravelRule constant(double factor) {
   return {factor, factor, 0.0, 0.0};
-}
-
-HumanClip travelling_human(const Clip& clip) {
-  return to_human(clip, lafan1_calibration(clip.skeleton()));
 }
 
 Vector3d place(const HumanClip& human, int frame, Bone bone) {
@@ -86,7 +80,7 @@ TEST(Travel, ConstantFactorScalesThePathOfTheHips) {
   EXPECT_DOUBLE_EQ(report.factor, 0.9);
   EXPECT_DOUBLE_EQ(report.least, 0.9);
   EXPECT_DOUBLE_EQ(report.greatest, 0.9);
-  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
+  const HumanClip before = lafan1_human(walk), after = lafan1_human(scaled);
   ASSERT_GT(way(before, walk.frame_count() - 1, Bone::kHips).norm(), 2.0);
   for (int frame = 0; frame < walk.frame_count(); ++frame) {
     EXPECT_NEAR((way(after, frame, Bone::kHips) - 0.9 * way(before, frame, Bone::kHips)).norm(),
@@ -103,14 +97,14 @@ TEST(Travel, FeetThatStandStillDoSoAfterwards) {
   Clip scaled = walk;
   scale(scaled, constant(0.9));
   // Without planting it would be 4 cm. Legs that are nearly straight miss a little.
-  EXPECT_LT(largest_slide(travelling_human(walk), travelling_human(scaled)), 2e-3);
+  EXPECT_LT(largest_slide(lafan1_human(walk), lafan1_human(scaled)), 2e-3);
 }
 
 TEST(Travel, FeetKeepHeightAndPitch) {
   const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   scale(scaled, constant(0.85));
-  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
+  const HumanClip before = lafan1_human(walk), after = lafan1_human(scaled);
   for (int frame = 0; frame < walk.frame_count(); ++frame) {
     for (const Bone foot : {Bone::kLeftFoot, Bone::kRightFoot}) {
       EXPECT_NEAR(place(after, frame, foot).z(), place(before, frame, foot).z(), 2e-3);
@@ -125,7 +119,7 @@ TEST(Travel, StepsAreShorterInProportion) {
   const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   scale(scaled, constant(0.8));
-  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
+  const HumanClip before = lafan1_human(walk), after = lafan1_human(scaled);
   const int last = walk.frame_count() - 1;
   for (const Bone foot : {Bone::kLeftFoot, Bone::kRightFoot}) {
     const double ratio = way(after, last, foot).norm() / way(before, last, foot).norm();
@@ -153,7 +147,7 @@ TEST(Travel, VaryingFactorKeepsFeetPlanted) {
   EXPECT_LT(report.least, 0.82);
   EXPECT_GT(report.factor, report.least);
   EXPECT_LT(report.factor, report.greatest);
-  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
+  const HumanClip before = lafan1_human(walk), after = lafan1_human(scaled);
   EXPECT_LT(largest_slide(before, after), 2e-3);
   // The beginning is slow, the middle is fast; at the end the body stops.
   const auto ratio = [&](double from, double to) {
@@ -170,11 +164,11 @@ TEST(Travel, VaryingFactorKeepsFeetPlanted) {
 
 TEST(Travel, FactorIsOneWhereHandsAndKneesRestOnTheFloor) {
   const Clip clip = recorded_clip("get_up");
-  const ContactPlan contacts = find_contacts(travelling_human(clip));
+  const ContactPlan contacts = find_contacts(lafan1_human(clip));
   Clip scaled = clip;
   const TravelReport report = scale(scaled, constant(0.7));
   EXPECT_EQ(report.greatest, 1.0);
-  const HumanClip before = travelling_human(clip), after = travelling_human(scaled);
+  const HumanClip before = lafan1_human(clip), after = lafan1_human(scaled);
   int phases = 0;
   for (std::size_t body = 0; body < contacts.bodies.size(); ++body) {
     const Bone bone = kSupportBones[body];
@@ -195,8 +189,8 @@ TEST(Travel, ExcerptEqualsThatPartOfTheWholeMotion) {
   Clip whole = walk, part = walk;
   scale_travel(whole, 0, {0, walk.frame_count()}, calibration, constant(0.9));
   scale_travel(part, 0, {100, 200}, calibration, constant(0.9));
-  const HumanClip before = travelling_human(walk), in_whole = travelling_human(whole),
-                  in_part = travelling_human(part);
+  const HumanClip before = lafan1_human(walk), in_whole = lafan1_human(whole),
+                  in_part = lafan1_human(part);
   // The first frame of the part does not change.
   EXPECT_LT((place(in_part, 100, Bone::kHips) - place(before, 100, Bone::kHips)).norm(), 1e-9);
   const Vector3d off = place(in_whole, 100, Bone::kHips) - place(in_part, 100, Bone::kHips);

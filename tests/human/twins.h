@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 
 namespace retarget {

@@ -6,10 +6,12 @@
 
 #include <utility>
 
-#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
+#include "support/recorded_clip.h"
+#include "support/value_of.h"
+#include "support/with_joints.h"
 
 namespace retarget {
 namespace {
@@ -63,10 +65,9 @@ TEST(UnitOfBody, UsesSkeletonUnitForSmallChildren) {
 
 TEST(UnitOfBody, IsDeterminedByAGivenHeight) {
   // A character at double scale.
-  const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8});
-  ASSERT_TRUE(doubled);
-  EXPECT_EQ(doubled->name, "scaled");
-  EXPECT_DOUBLE_EQ(doubled->metres, 0.005);
+  const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8}).value();
+  EXPECT_EQ(doubled.name, "scaled");
+  EXPECT_DOUBLE_EQ(doubled.metres, 0.005);
   // A given height overrides the usual range, even that of a giant.
   EXPECT_EQ(unit_of_body({191.9, 360.0, {}, 3.5})->name, "cm");
   // A unit that nearly gives the height is correct: heights are estimates.
@@ -78,7 +79,7 @@ TEST(UnitOfBody, IsDeterminedByAGivenHeight) {
 }
 
 Clip sample_in(double scale, bool with_lafan1_axes) {
-  const Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/walk.bvh").value().clip;
+  const Clip clip = recorded_clip("walk");
   return scaled_and_turned(with_lafan1_axes ? clip : with_t_pose_as_zero(clip), scale,
                            Eigen::Quaterniond::Identity());
 }
@@ -99,12 +100,11 @@ TEST(CalibrateSize, RejectsUnknownUnitUnlessHeightIsGiven) {
     EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("height")));
     CalibrationOptions told;
     told.height = 1.75;
-    const auto found = calibrated_in_units(twice, lafan1, told);
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->unit, "scaled");
-    EXPECT_EQ(found->height, 1.75);
-    EXPECT_NEAR(found->metres_per_unit, 0.005, 2e-4);
-    EXPECT_THAT(found->doubts, IsEmpty());
+    const auto found = value_of(calibrated_in_units(twice, lafan1, told));
+    EXPECT_EQ(found.unit, "scaled");
+    EXPECT_EQ(found.height, 1.75);
+    EXPECT_NEAR(found.metres_per_unit, 0.005, 2e-4);
+    EXPECT_THAT(found.doubts, IsEmpty());
   }
 }
 
@@ -113,9 +113,8 @@ TEST(CalibrateSize, DoubtsAGivenUnitThatMakesAGiant) {
        {std::pair{0.01, false}, {0.012, false}, {0.0254, true}, {0.001, true}}) {
     CalibrationOptions told;
     told.metres_per_unit = unit;
-    const auto found = calibrated_in_units(sample_in(1.0, false), false, told);
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->doubts.size(), is_doubted ? 1U : 0U) << unit;
+    const auto found = value_of(calibrated_in_units(sample_in(1.0, false), false, told));
+    EXPECT_EQ(found.doubts.size(), is_doubted ? 1U : 0U) << unit;
     // A given height is the user's statement about the body.
     told.height = 1.75;
     EXPECT_THAT(calibrated_in_units(sample_in(1.0, false), false, told)->doubts, IsEmpty());
@@ -127,12 +126,11 @@ TEST(CalibrateSize, OptionalUnitAssumesAnAverageBody) {
     CalibrationOptions any;
     any.unit_optional = true;
     const Clip twice = sample_in(2.0, lafan1);
-    const auto found = calibrated_in_units(twice, lafan1, any);
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->unit, "unknown");
-    EXPECT_NEAR(found->height, 1.7, 0.051);
-    ASSERT_EQ(found->doubts.size(), 1U);
-    EXPECT_THAT(found->doubts[0].message, HasSubstr("no known unit"));
+    const auto found = value_of(calibrated_in_units(twice, lafan1, any));
+    EXPECT_EQ(found.unit, "unknown");
+    EXPECT_NEAR(found.height, 1.7, 0.051);
+    ASSERT_EQ(found.doubts.size(), 1U);
+    EXPECT_THAT(found.doubts[0].message, HasSubstr("no known unit"));
     EXPECT_EQ(calibrated_in_units(sample_in(1.0, lafan1), lafan1, any)->unit, "cm");
   }
 }
@@ -144,32 +142,24 @@ TEST(CalibrateSize, SmallMixamoCharacterIsInCentimetres) {
     joint.name = "mixamorig:" + joint.name;
     if (joint.name.ends_with("Toe")) joint.name += "Base";
   }
-  Clip clip(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(small.rotations(frame), clip.rotations(frame).begin());
-    std::ranges::copy(small.translations(frame), clip.translations(frame).begin());
-  }
-  const auto map = recognise_skeleton(clip, shipped_profiles());
-  ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->profile, "mixamo");
-  const auto found = calibrate(clip, *map, {});
-  ASSERT_TRUE(found) << describe(found.error());
-  EXPECT_EQ(found->unit, "cm");
-  EXPECT_NEAR(found->height, 1.72 * 0.45, 0.03);
+  const Clip clip = with_joints(small, joints);
+  const auto map = value_of(recognise_skeleton(clip, shipped_profiles()));
+  EXPECT_EQ(map.profile, "mixamo");
+  const auto found = value_of(calibrate(clip, map, {}));
+  EXPECT_EQ(found.unit, "cm");
+  EXPECT_NEAR(found.height, 1.72 * 0.45, 0.03);
   // The size is unusual, which causes a warning.
-  ASSERT_FALSE(found->doubts.empty());
-  EXPECT_THAT(found->doubts.back().message, HasSubstr("height"));
+  ASSERT_FALSE(found.doubts.empty());
+  EXPECT_THAT(found.doubts.back().message, HasSubstr("height"));
   // A character of 5.7 m is scaled by its proportions.
   for (Joint& joint : joints) joint.offset *= 3.3 / 0.45;
-  Clip giant(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
+  Clip giant = with_joints(small, joints);
   for (int frame = 0; frame < giant.frame_count(); ++frame) {
-    std::ranges::copy(small.rotations(frame), giant.rotations(frame).begin());
-    giant.translations(frame)[0] = small.translations(frame)[0] * (3.3 / 0.45);
+    giant.translations(frame)[0] *= 3.3 / 0.45;
   }
-  const auto taken = calibrate(giant, *map, {});
-  ASSERT_TRUE(taken) << describe(taken.error());
-  EXPECT_NEAR(taken->height, 1.7, 0.051);
-  EXPECT_THAT(taken->doubts.at(0).message, HasSubstr("no known unit"));
+  const auto taken = value_of(calibrate(giant, map, {}));
+  EXPECT_NEAR(taken.height, 1.7, 0.051);
+  EXPECT_THAT(taken.doubts.at(0).message, HasSubstr("no known unit"));
 }
 
 // Blender's default scale makes hips 9,300 units high, or 0.93 if the file states centimetres.
@@ -181,12 +171,11 @@ TEST(CalibrateSize, AcceptsScenesOfAnyScaleByTheirProportions) {
     ClipOrigin origin;
     origin.metres_per_unit = 0.01;
     clip.set_origin(origin);
-    const auto found = calibrated_in_units(clip, false, {});
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->unit, "unknown");
-    EXPECT_NEAR(found->height, 1.7, 0.051);
-    ASSERT_EQ(found->doubts.size(), 1U);
-    EXPECT_THAT(found->doubts[0].message, HasSubstr("scaled to a body height of 1.70 m"));
+    const auto found = value_of(calibrated_in_units(clip, false, {}));
+    EXPECT_EQ(found.unit, "unknown");
+    EXPECT_NEAR(found.height, 1.7, 0.051);
+    ASSERT_EQ(found.doubts.size(), 1U);
+    EXPECT_THAT(found.doubts[0].message, HasSubstr("scaled to a body height of 1.70 m"));
   }
   EXPECT_TRUE(has_human_proportions(0.93, 1.72));
   EXPECT_TRUE(has_human_proportions(9300.0, 17200.0));
@@ -199,15 +188,14 @@ TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
   const auto adult = calibrated_in_units(sample_in(1.0, true), true, {}).value();
   for (const double scale : {0.6, 0.8, 0.9, 1.1}) {
     const Clip clip = sample_in(scale, true);
-    const auto found = calibrated_in_units(clip, true, {});
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->unit, "cm");
-    EXPECT_NEAR(found->height, 1.75 * scale, 0.035 * scale) << scale;
-    EXPECT_NE(found->rest_pose, "lafan1");
-    EXPECT_THAT(found->description,
-                HasSubstr("body height " + std::to_string(found->height).substr(0, 3)));
+    const auto found = value_of(calibrated_in_units(clip, true, {}));
+    EXPECT_EQ(found.unit, "cm");
+    EXPECT_NEAR(found.height, 1.75 * scale, 0.035 * scale) << scale;
+    EXPECT_NE(found.rest_pose, "lafan1");
+    EXPECT_THAT(found.description,
+                HasSubstr("body height " + std::to_string(found.height).substr(0, 3)));
     // Its axes are still LAFAN1's.
-    const HumanClip human = to_human(clip, *found);
+    const HumanClip human = to_human(clip, found);
     const HumanClip grown = to_human(sample_in(1.0, true), adult);
     EXPECT_LT(human.frame(7)[Bone::kLeftArm].rotation.angularDistance(
                   grown.frame(7)[Bone::kLeftArm].rotation),

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ik/ik_cases.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -10,9 +11,8 @@ namespace {
 // The two-armed robot with a joint held away from its qpos0, and a motion with a slide joint.
 std::shared_ptr<const Robot> held_arms() {
   const TemporaryFolder folder;
-  const auto robot = load_robot_files(folder.write("robot.xml", kTwoArms));
-  EXPECT_TRUE(robot) << describe(robot.error());
-  auto held = std::const_pointer_cast<Robot>(*robot);
+  const auto robot = value_of(load_robot_files(folder.write("robot.xml", kTwoArms)));
+  auto held = std::const_pointer_cast<Robot>(robot);
   held->set_variant(
       {"held", "", {{"right_shoulder", -0.3}, {"right_slide", 0.05}, {"left_twist", 7.0}}});
   return held;

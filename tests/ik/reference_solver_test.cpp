@@ -53,7 +53,6 @@ Eigen::VectorXd numeric_gradient(const Robot& robot, const IkPass& tasks,
 
 TEST(ReferenceSolver, LinearTermIsTheGradient) {
   const auto robot = robot_from_text(kTwoArms);
-  ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
   problem->passes = {{{robot->find_body("base").value(), 0, 3.0, 1.0},
                       {robot->find_body("left_lower").value(), 1, 5.0, 0.0},
@@ -79,7 +78,6 @@ TEST(ReferenceSolver, LinearTermIsTheGradient) {
 
 TEST(ReferenceSolver, ReachesReachableTargets) {
   const auto robot = load_g1();
-  ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
   IkPass pass;
   std::vector<Pose> targets;
@@ -107,7 +105,6 @@ TEST(ReferenceSolver, ReachesReachableTargets) {
 
 TEST(ReferenceSolver, StaysInsideTheLimits) {
   const auto robot = load_g1();
-  ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
   const int hand = robot->find_body("left_wrist_yaw_link").value();
   const int foot = robot->find_body("right_ankle_roll_link").value();
@@ -129,7 +126,6 @@ TEST(ReferenceSolver, StaysInsideTheLimits) {
 
 TEST(ReferenceSolver, StopsWhenTheErrorStopsFalling) {
   const auto robot = robot_from_text(kTwoArms);
-  ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
   problem->passes = {{{1, 0, 10.0, 10.0}}};
   const auto solver = make_reference_solver(problem, {});
@@ -149,7 +145,6 @@ TEST(ReferenceSolver, StopsWhenTheErrorStopsFalling) {
 
 TEST(ReferenceSolver, ReportsNonFiniteTargets) {
   const auto robot = robot_from_text(kTwoArms);
-  ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
   problem->passes = {{{1, 0, 10.0, 10.0}}};
   const auto solver = make_reference_solver(problem, {});

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "retarget/motion_io.h"
-#include "robot/model/variant.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -150,23 +150,20 @@ TEST_F(CsvMotion, RejectsHeadersWithMissingJoints) {
 
 TEST_F(CsvMotion, AcceptsHeadersWithoutVariantJoints) {
   const auto g1 = load_g1();
-  const auto few = robot_variant(g1, "23-pbhc");
-  ASSERT_TRUE(few);
+  const auto few = value_of(robot_variant(g1, "23-pbhc"));
   RobotCsvOptions named;
   named.header = true;
-  RobotClip clip(*few, {30, 1}, 2);
+  RobotClip clip(few, {30, 1}, 2);
   for (int frame = 0; frame < 2; ++frame) {
     clip.qpos(frame)[2] = 0.8;
     clip.qpos(frame)[3] = 1.0;
   }
-  const auto sound = parse_robot_motion(format_robot_csv(clip, named), g1, "m.csv");
-  ASSERT_TRUE(sound) << describe(sound.error());
-  EXPECT_THAT(sound->warnings, Contains(AllOf(HasSubstr("6 of the robot's 29 joints"),
-                                              HasSubstr("left_wrist_roll_joint"))));
-  const auto told = parse_robot_motion(format_robot_csv(clip, named), g1, "m.csv",
-                                       with([](auto& o) { o.variant = "23-pbhc"; }));
-  ASSERT_TRUE(told);
-  EXPECT_THAT(told->warnings, IsEmpty());
+  const auto sound = value_of(parse_robot_motion(format_robot_csv(clip, named), g1, "m.csv"));
+  EXPECT_THAT(sound.warnings, Contains(AllOf(HasSubstr("6 of the robot's 29 joints"),
+                                             HasSubstr("left_wrist_roll_joint"))));
+  const auto told = value_of(parse_robot_motion(format_robot_csv(clip, named), g1, "m.csv",
+                                                with([](auto& o) { o.variant = "23-pbhc"; })));
+  EXPECT_THAT(told.warnings, IsEmpty());
 }
 
 TEST_F(CsvMotion, ReadsItsOwnHeadersOfJointsWithDelimiters) {
@@ -175,7 +172,6 @@ TEST_F(CsvMotion, ReadsItsOwnHeadersOfJointsWithDelimiters) {
     model.replace(at, 12, "\"left, bent; elbow\"");
   }
   const auto robot = robot_from_text(model);
-  ASSERT_NE(robot, nullptr);
   ASSERT_TRUE(robot->find_joint("left, bent; elbow"));
   RobotClip clip(robot, {30, 1}, 1);
   std::ranges::copy(std::vector{1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.04, 0.5},
@@ -184,18 +180,16 @@ TEST_F(CsvMotion, ReadsItsOwnHeadersOfJointsWithDelimiters) {
     RobotCsvOptions named;
     named.header = true;
     named.delimiter = delimiter;
-    const auto read = parse_robot_motion(format_robot_csv(clip, named), robot, "m.csv",
-                                         with([](auto& o) { o.metres_per_unit = 1.0; }));
-    ASSERT_TRUE(read) << describe(read.error());
-    EXPECT_EQ(read->clip.qpos(0)[8], 0.2);
+    const auto read = value_of(parse_robot_motion(format_robot_csv(clip, named), robot, "m.csv",
+                                                  with([](auto& o) { o.metres_per_unit = 1.0; })));
+    EXPECT_EQ(read.clip.qpos(0)[8], 0.2);
   }
 }
 
 TEST_F(CsvMotion, ReadsRateFromTimes) {
   const auto rate_of = [&](const std::vector<std::string>& times, const std::string& name = {}) {
-    const auto motion = read(timed(times, name));
-    EXPECT_TRUE(motion) << describe(motion.error());
-    return motion && motion->rate_known ? to_text(motion->clip.rate()) : "none";
+    const auto motion = value_of(read(timed(times, name)));
+    return motion.rate_known ? to_text(motion.clip.rate()) : "none";
   };
   EXPECT_EQ(rate_of({"0", "0.02", "0.04", "0.06"}), "50");
   EXPECT_EQ(rate_of({"10.5", "10.52", "10.54"}, "time"), "50");
@@ -228,19 +222,16 @@ TEST_F(CsvMotion, RejectsAmbiguousTimesUnlessTheRateIsGiven) {
         {timed({"0", ".02", ".04", ".08", ".1", ".12"}, "time"), "line 5 comes 0.04 s after"},
         {timed({"0", "33", "67", "133", "167", "200"}), "line 4 comes 0.066 s after"}}) {
     expect_fault(text, AllOf(HasSubstr(words), HasSubstr("source_fps")));
-    const auto given = read(text, at_60);
-    ASSERT_TRUE(given) << describe(given.error());
-    EXPECT_EQ(given->clip.rate(), (FrameRate{60, 1}));
-    EXPECT_THAT(given->warnings, Contains(HasSubstr(words)));
+    const auto given = value_of(read(text, at_60));
+    EXPECT_EQ(given.clip.rate(), (FrameRate{60, 1}));
+    EXPECT_THAT(given.warnings, Contains(HasSubstr(words)));
   }
   // The file's times contradict the requested rate.
-  const auto against = read(timed({"0", ".02", ".04"}, "time"), at_60);
-  ASSERT_TRUE(against);
-  EXPECT_THAT(against->warnings,
+  const auto against = value_of(read(timed({"0", ".02", ".04"}, "time"), at_60));
+  EXPECT_THAT(against.warnings,
               Contains(AllOf(HasSubstr("50 a second"), HasSubstr("using the requested 60 fps"))));
-  const auto gaps = read(timed({"0", "1", "5", "6"}, "frame"));
-  ASSERT_TRUE(gaps);
-  EXPECT_THAT(gaps->warnings, Contains(HasSubstr("frames missing")));
+  const auto gaps = value_of(read(timed({"0", "1", "5", "6"}, "frame")));
+  EXPECT_THAT(gaps.warnings, Contains(HasSubstr("frames missing")));
 }
 
 TEST_F(CsvMotion, ReadsSomaRateFromFrameNumbers) {
@@ -250,10 +241,9 @@ TEST_F(CsvMotion, ReadsSomaRateFromFrameNumbers) {
     clip.qpos(frame)[3] = 1.0;
   }
   const auto rate_of = [&](const FrameRate& rate, const ReadMotionOptions& options = {}) {
-    const auto motion =
-        parse_robot_motion(format_robot_csv(clip, soma_csv_options(rate)), robot_, "m", options);
-    EXPECT_TRUE(motion) << describe(motion.error());
-    return to_text(motion->clip.rate()) + (motion->rate_known ? "" : " assumed");
+    const auto motion = value_of(
+        parse_robot_motion(format_robot_csv(clip, soma_csv_options(rate)), robot_, "m", options));
+    return to_text(motion.clip.rate()) + (motion.rate_known ? "" : " assumed");
   };
   EXPECT_EQ(rate_of({30, 1}), "30");
   EXPECT_EQ(rate_of({24, 1}), "24");
@@ -285,17 +275,15 @@ TEST_F(CsvMotion, AngleUnitAppliesToRootAndJoints) {
   const std::string degrees = header + "0,0,0,1,0,0,90,0,0,90,0,0\n";
   const std::string radians =
       header + "0,0,0,1,0,0,1.5707963267948966,0,0,1.5707963267948966,0,0\n";
-  const auto a = parse_robot_motion(degrees, robot_, "m", {});
-  const auto b = parse_robot_motion(radians, robot_, "m", with([](auto& o) {
-                                      o.degrees = false;
-                                      o.metres_per_unit = 0.01;
-                                    }));
-  ASSERT_TRUE(a) << describe(a.error());
-  ASSERT_TRUE(b) << describe(b.error());
-  for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a->clip.qpos(0)[i], b->clip.qpos(0)[i], 1e-15);
-  EXPECT_NEAR(a->clip.qpos(0)[6], std::sqrt(0.5), 1e-15);
-  EXPECT_NEAR(a->clip.qpos(0)[2], 0.01, 1e-15);
-  EXPECT_THAT(b->warnings, Contains(HasSubstr("angles in degrees; using the requested radians")));
+  const auto a = value_of(parse_robot_motion(degrees, robot_, "m", {}));
+  const auto b = value_of(parse_robot_motion(radians, robot_, "m", with([](auto& o) {
+                                               o.degrees = false;
+                                               o.metres_per_unit = 0.01;
+                                             })));
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a.clip.qpos(0)[i], b.clip.qpos(0)[i], 1e-15);
+  EXPECT_NEAR(a.clip.qpos(0)[6], std::sqrt(0.5), 1e-15);
+  EXPECT_NEAR(a.clip.qpos(0)[2], 0.01, 1e-15);
+  EXPECT_THAT(b.warnings, Contains(HasSubstr("angles in degrees; using the requested radians")));
 }
 
 TEST_F(CsvMotion, ErrorsHaveLineAndColumn) {

@@ -9,8 +9,8 @@
 #include "retarget/compare.h"
 #include "retarget/resample.h"
 #include "retarget/so3.h"
-#include "robot/model/variant.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -74,9 +74,8 @@ class RobotMotionTest : public ::testing::Test {
     return parse_robot_motion(bytes, robot_, "m", options);
   }
   static double distance(const RobotClip& a, const RobotClip& b) {
-    const auto difference = compare_motions(motion_table(a), motion_table(b), 0.0);
-    EXPECT_TRUE(difference) << describe(difference.error());
-    return difference->frames_a == difference->frames_b ? difference->largest : 1e9;
+    const auto difference = value_of(compare_motions(motion_table(a), motion_table(b), 0.0));
+    return difference.frames_a == difference.frames_b ? difference.largest : 1e9;
   }
 
   std::shared_ptr<const Robot> robot_ = load_g1();
@@ -88,9 +87,8 @@ TEST_F(RobotMotionTest, EveryFormatRoundTrips) {
     WriteMotionOptions write;
     write.csv.precision = 12;
     write.tracking.rate = {30, 1};
-    const auto bytes = format_robot_motion(clip, format, write);
-    ASSERT_TRUE(bytes) << describe(bytes.error());
-    const auto motion = read(*bytes);
+    const auto bytes = value_of(format_robot_motion(clip, format, write));
+    const auto motion = read(bytes);
     ASSERT_TRUE(motion) << format_name(format) << ": " << describe(motion.error());
     EXPECT_EQ(motion->format, format);
     RobotClip expected = clip;
@@ -134,9 +132,8 @@ TEST_F(RobotMotionTest, AnOrderThatTheMotionDoesNotDecideIsTheUsualOne) {
     for (std::size_t i = 0; i < robot_->output_joints().size(); ++i) rows += ",0";
     rows += "\n";
   }
-  const auto motion = read(rows);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_THAT(motion->warnings, Contains(HasSubstr("read as xyzw")));
+  const auto motion = value_of(read(rows));
+  EXPECT_THAT(motion.warnings, Contains(HasSubstr("read as xyzw")));
 }
 
 TEST_F(RobotMotionTest, ContradictoryEvidenceGivesNoOrder) {
@@ -161,20 +158,18 @@ TEST_F(RobotMotionTest, ReadsHeadersOfOtherTools) {
   for (const int joint : robot_->output_joints()) {
     header += ",dof_" + robot_->joints()[joint].name + "(rad)";
   }
-  const auto motion = read(header + "\n" + rows);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_LT(distance(motion->clip, clip), 1e-8);
+  const auto motion = value_of(read(header + "\n" + rows));
+  EXPECT_LT(distance(motion.clip, clip), 1e-8);
   const auto wrong = read("x,y,z,qx,qy,qz,qw,left_knee_joint,left_nee_joint\n0,0,1,0,0,0,1,0,0\n");
   ASSERT_FALSE(wrong);
   EXPECT_THAT(describe(wrong.error()), HasSubstr("did you mean \"left_knee_joint\""));
 }
 
 TEST_F(RobotMotionTest, ResampledJointsStayInsideTheirLimits) {
-  const auto limits = load_limits(*robot_, robot_->limits_for({}));
-  ASSERT_TRUE(limits);
+  const auto limits = value_of(load_limits(*robot_, robot_->limits_for({})));
   const auto knee = static_cast<std::size_t>(*robot_->find_joint("left_knee_joint"));
   const auto address = static_cast<std::size_t>(robot_->joints()[knee].qpos_address);
-  const double limit = limits->upper[knee];
+  const double limit = limits.upper[knee];
   // It reaches the limit quickly and rests there, so that a spline overshoots.
   const auto highest = [&](double rest, double fps) {
     RobotClip clip(robot_, {30, 1}, 20);
@@ -193,16 +188,14 @@ TEST_F(RobotMotionTest, ResampledJointsStayInsideTheirLimits) {
 
 TEST_F(RobotMotionTest, HeldJointsStayAtTheirPosition) {
   const RobotClip clip = walk(0.5, 5);
-  const auto held = robot_variant(robot_, "23-pbhc");
-  ASSERT_TRUE(held);
+  const auto held = value_of(robot_variant(robot_, "23-pbhc"));
   const auto bytes = format_robot_motion(clip, MotionFormat::kPklGmr);
-  const auto motion = parse_robot_motion(*bytes, robot_, "m");
-  ASSERT_TRUE(motion);
-  const RobotClip few = with_robot(motion->clip, *held);
+  const auto motion = value_of(parse_robot_motion(*bytes, robot_, "m"));
+  const RobotClip few = with_robot(motion.clip, held);
   EXPECT_EQ(few.robot().output_joints().size(), 23U);
   const auto wrist = robot_->find_joint("left_wrist_roll_joint");
   EXPECT_EQ(few.qpos(2)[robot_->joints()[*wrist].qpos_address], 0.0);
-  EXPECT_LT(distance(with_robot(few, robot_), with_robot(with_robot(clip, *held), robot_)), 1e-12);
+  EXPECT_LT(distance(with_robot(few, robot_), with_robot(with_robot(clip, held), robot_)), 1e-12);
 }
 
 TEST_F(RobotMotionTest, ReportsErrors) {
@@ -227,17 +220,15 @@ TEST_F(RobotMotionTest, ReportsErrors) {
 
 TEST_F(RobotMotionTest, ResamplingKeepsTheMotion) {
   const RobotClip clip = walk(0.5, 61);
-  const auto up = resample_robot(clip, {120, 1});
-  ASSERT_TRUE(up);
-  ASSERT_EQ(up->frame_count(), 241);
-  const auto down = resample_robot(*up, {30, 1}, {.antialias = false});
-  ASSERT_TRUE(down);
-  EXPECT_LT(distance(*down, clip), 1e-12);
+  const auto up = value_of(resample_robot(clip, {120, 1}));
+  ASSERT_EQ(up.frame_count(), 241);
+  const auto down = value_of(resample_robot(up, {30, 1}, {.antialias = false}));
+  EXPECT_LT(distance(down, clip), 1e-12);
   // Compares with the functions, away from the ends.
   for (int frame = 20; frame < 220; ++frame) {
     const double t = frame / 120.0;
-    EXPECT_NEAR(up->qpos(frame)[9], 0.2 + 0.3 * std::sin(6 * t + 9.0), 2e-5);
-    EXPECT_NEAR(Eigen::Map<const Eigen::Vector4d>(up->qpos(frame).data() + 3).norm(), 1.0, 1e-12);
+    EXPECT_NEAR(up.qpos(frame)[9], 0.2 + 0.3 * std::sin(6 * t + 9.0), 2e-5);
+    EXPECT_NEAR(Eigen::Map<const Eigen::Vector4d>(up.qpos(frame).data() + 3).norm(), 1.0, 1e-12);
   }
 }
 
@@ -248,15 +239,14 @@ TEST_F(RobotMotionTest, CountsDifferences) {
   b.qpos(9)[10] -= 0.02;
   b.qpos(3)[0] += 1e-9;
   for (int i = 3; i < 7; ++i) b.qpos(12)[static_cast<std::size_t>(i)] *= -1.0;
-  const auto found = compare_motions(motion_table(a), motion_table(b), 1e-6);
-  ASSERT_TRUE(found);
-  EXPECT_FALSE(found->agree());
-  ASSERT_EQ(found->columns.size(), 1U);
-  EXPECT_EQ(found->columns[0].column, "left_knee_joint");
-  EXPECT_EQ(found->columns[0].frames_beyond, 2U);
-  EXPECT_EQ(found->columns[0].first_frame, 7U);
-  EXPECT_EQ(found->columns[0].largest_frame, 9U);
-  EXPECT_NEAR(found->columns[0].largest, 0.02, 1e-12);
+  const auto found = value_of(compare_motions(motion_table(a), motion_table(b), 1e-6));
+  EXPECT_FALSE(found.agree());
+  ASSERT_EQ(found.columns.size(), 1U);
+  EXPECT_EQ(found.columns[0].column, "left_knee_joint");
+  EXPECT_EQ(found.columns[0].frames_beyond, 2U);
+  EXPECT_EQ(found.columns[0].first_frame, 7U);
+  EXPECT_EQ(found.columns[0].largest_frame, 9U);
+  EXPECT_NEAR(found.columns[0].largest, 0.02, 1e-12);
   EXPECT_TRUE(compare_motions(motion_table(a), motion_table(b), 0.1)->agree());
   const auto shorter = compare_motions(motion_table(a), motion_table(walk(0.5, 39)), 1e-6);
   EXPECT_THAT(shorter->columns, IsEmpty());

@@ -9,6 +9,7 @@
 #include "formats/containers/npz.h"
 #include "retarget/so3.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -41,27 +42,26 @@ TEST(TrackingMotionTest, VelocitiesMatchTheBodies) {
   const RobotClip clip = moving_clip(robot, 400, 1000.0);
   TrackingOptions options;
   options.rate = {1000, 1};
-  const auto motion = make_tracking_motion(clip, MotionFormat::kNpzMjlab, options);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  ASSERT_EQ(motion->frames, 399U);
-  const std::size_t bodies = motion->body_names.size();
+  const auto motion = value_of(make_tracking_motion(clip, MotionFormat::kNpzMjlab, options));
+  ASSERT_EQ(motion.frames, 399U);
+  const std::size_t bodies = motion.body_names.size();
   ASSERT_EQ(bodies, 4U);
-  for (std::size_t frame = 1; frame + 1 < motion->frames; frame += 7) {
+  for (std::size_t frame = 1; frame + 1 < motion.frames; frame += 7) {
     for (std::size_t b = 0; b < bodies; ++b) {
       const std::size_t at = frame * bodies + b;
       for (std::size_t i = 0; i < 3; ++i) {
-        const double difference = 500.0 * (motion->body_pos[3 * (at + bodies) + i] -
-                                           motion->body_pos[3 * (at - bodies) + i]);
-        EXPECT_NEAR(motion->body_lin_vel[3 * at + i], difference, 1e-5) << frame << " " << b;
+        const double difference = 500.0 * (motion.body_pos[3 * (at + bodies) + i] -
+                                           motion.body_pos[3 * (at - bodies) + i]);
+        EXPECT_NEAR(motion.body_lin_vel[3 * at + i], difference, 1e-5) << frame << " " << b;
       }
       const auto rotation = [&](std::size_t k) {
-        const double* q = motion->body_quat.data() + 4 * k;
+        const double* q = motion.body_quat.data() + 4 * k;
         return Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
       };
       const Eigen::Vector3d turn =
           500.0 * log_so3(rotation(at + bodies) * rotation(at - bodies).conjugate());
       for (int i = 0; i < 3; ++i) {
-        EXPECT_NEAR(motion->body_ang_vel[3 * at + static_cast<std::size_t>(i)], turn[i], 1e-5);
+        EXPECT_NEAR(motion.body_ang_vel[3 * at + static_cast<std::size_t>(i)], turn[i], 1e-5);
       }
     }
   }
@@ -122,11 +122,10 @@ TEST(TrackingMotionTest, CentreOfMassIncludesFixedBodies) {
   for (int frame = 0; frame < 20; ++frame) clip.qpos(frame)[7] = 0.02 * frame;  // 1 rad/s
   TrackingOptions options;
   options.velocity_of = BodyPoint::kMass;
-  const auto motion = make_tracking_motion(clip, MotionFormat::kNpzMjlab, options);
-  ASSERT_TRUE(motion);
-  EXPECT_THAT(motion->body_names, ElementsAre("base", "arm"));
+  const auto motion = value_of(make_tracking_motion(clip, MotionFormat::kNpzMjlab, options));
+  EXPECT_THAT(motion.body_names, ElementsAre("base", "arm"));
   // The common centre of arm and hand is at 2 m: it moves at 2 m/s along y in the first frame.
-  EXPECT_NEAR(motion->body_lin_vel[3 + 1], 2.0, 1e-9);
+  EXPECT_NEAR(motion.body_lin_vel[3 + 1], 2.0, 1e-9);
   options.velocity_of = BodyPoint::kLink;
   EXPECT_NEAR(make_tracking_motion(clip, MotionFormat::kNpzMjlab, options)->body_lin_vel[3 + 1],
               0.0, 1e-9);
@@ -135,20 +134,17 @@ TEST(TrackingMotionTest, CentreOfMassIncludesFixedBodies) {
 TEST(TrackingMotionTest, FileContainsTheArrays) {
   const auto robot = robot_from_text(kTwoArms);
   const auto motion =
-      make_tracking_motion(moving_clip(robot, 30, 30.0), MotionFormat::kNpzBeyondMimic);
-  ASSERT_TRUE(motion);
-  const auto bytes = format_tracking_npz(*motion);
-  ASSERT_TRUE(bytes);
-  const auto npz = NpzFile::open(*bytes, "x.npz");
-  ASSERT_TRUE(npz) << describe(npz.error());
-  EXPECT_THAT(npz->read("body_quat_w")->shape, ElementsAre(49, 4, 4));
-  EXPECT_EQ(npz->type_of("body_quat_w").value(), "<f4");
-  EXPECT_THAT(npz->read("fps")->numbers(), ElementsAre(50));
-  EXPECT_EQ(npz->type_of("fps").value(), "<i8");
-  EXPECT_THAT(npz->read("flavour")->texts(), ElementsAre("npz-beyondmimic"));
-  EXPECT_THAT(npz->read("body_names")->texts(),
+      value_of(make_tracking_motion(moving_clip(robot, 30, 30.0), MotionFormat::kNpzBeyondMimic));
+  const auto bytes = value_of(format_tracking_npz(motion));
+  const auto npz = value_of(NpzFile::open(bytes, "x.npz"));
+  EXPECT_THAT(npz.read("body_quat_w")->shape, ElementsAre(49, 4, 4));
+  EXPECT_EQ(npz.type_of("body_quat_w").value(), "<f4");
+  EXPECT_THAT(npz.read("fps")->numbers(), ElementsAre(50));
+  EXPECT_EQ(npz.type_of("fps").value(), "<i8");
+  EXPECT_THAT(npz.read("flavour")->texts(), ElementsAre("npz-beyondmimic"));
+  EXPECT_THAT(npz.read("body_names")->texts(),
               ElementsAre("base", "left_upper", "right_upper", "left_lower"));
-  EXPECT_EQ(*format_tracking_npz(*motion), *bytes);
+  EXPECT_EQ(*format_tracking_npz(motion), bytes);
 }
 
 }  // namespace

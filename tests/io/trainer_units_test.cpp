@@ -15,6 +15,7 @@
 #include "retarget/pose.h"
 #include "retarget/so3.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -172,9 +173,8 @@ class TrainerUnits : public ::testing::Test {
     return parse_robot_motion(bytes, robot_, "m", options);
   }
   void expect_sound(const std::string& bytes, const ReadMotionOptions& options = {}) const {
-    const auto found = read(bytes, options);
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_THAT(found->warnings, IsEmpty());
+    const auto found = value_of(read(bytes, options));
+    EXPECT_THAT(found.warnings, IsEmpty());
   }
   [[nodiscard]] std::string fault_of(const std::string& bytes) const {
     const auto found = read(bytes);
@@ -206,9 +206,8 @@ TEST_F(TrainerUnits, DegreesAreAnError) {
   EXPECT_THAT(fault_of(holosoma(motion(), degrees)), words("convert the joints to radians"));
   ReadMotionOptions given;
   given.degrees = true;
-  const auto read_so = read(gmr(motion(), degrees), given);
-  ASSERT_TRUE(read_so) << describe(read_so.error());
-  EXPECT_NEAR(read_so->clip.qpos(3)[9], motion().qpos(3)[9], 1e-9);
+  const auto read_so = value_of(read(gmr(motion(), degrees), given));
+  EXPECT_NEAR(read_so.clip.qpos(3)[9], motion().qpos(3)[9], 1e-9);
   // Angles below the widest range; the bodies decide.
   EXPECT_THAT(fault_of(gmr(motion(0.05), {.angles = 1.0 / kDegree})),
               HasSubstr("they fit if the joints are in degrees"));

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -58,9 +59,8 @@ class UnitsTest : public ::testing::Test {
     EXPECT_THAT(motion.error().hint, HasSubstr(option));
   }
   void expect_doubted(const std::string& text, const std::string& option) const {
-    const auto motion = read(text);
-    ASSERT_TRUE(motion) << describe(motion.error());
-    EXPECT_THAT(motion->warnings, Contains(HasSubstr(option)));
+    const auto motion = value_of(read(text));
+    EXPECT_THAT(motion.warnings, Contains(HasSubstr(option)));
   }
 
   std::shared_ptr<const Robot> robot_ = load_g1();
@@ -132,9 +132,8 @@ TEST_F(UnitsTest, SittingUprightIsPlausible) {
       if (each.name.find("hip_pitch") != std::string::npos) qpos[each.qpos_address] = -1.57;
     }
   }
-  const auto motion = read(format_robot_csv(clip, {.precision = 9}));
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_THAT(motion->warnings, IsEmpty());
+  const auto motion = value_of(read(format_robot_csv(clip, {.precision = 9})));
+  EXPECT_THAT(motion.warnings, IsEmpty());
 }
 
 // An earlier version read these as centimetres and millimetres, a hundredth and a thousandth of
@@ -142,19 +141,17 @@ TEST_F(UnitsTest, SittingUprightIsPlausible) {
 TEST_F(UnitsTest, HighPositionsAreNotCentimetres) {
   for (const double height : {6.5, 8.0, 90.0, 1000.0}) {
     expect_refused(csv({.height = height}), OPTION("source-unit"));
-    const auto motion = read(csv({.height = height}), metres(1.0));
-    ASSERT_TRUE(motion) << describe(motion.error());
-    EXPECT_NEAR(motion->clip.qpos(5)[2], height, 1e-9);
-    EXPECT_THAT(motion->warnings, IsEmpty());
+    const auto motion = value_of(read(csv({.height = height}), metres(1.0)));
+    EXPECT_NEAR(motion.clip.qpos(5)[2], height, 1e-9);
+    EXPECT_THAT(motion.warnings, IsEmpty());
   }
 }
 
 TEST_F(UnitsTest, CentimetresAndMillimetresMustBeGiven) {
   for (const double scale : {100.0, 1000.0}) {
     expect_refused(csv({.scale = scale}), OPTION("source-unit"));
-    const auto motion = read(csv({.scale = scale}), metres(1.0 / scale));
-    ASSERT_TRUE(motion) << describe(motion.error());
-    EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76, 1e-9);
+    const auto motion = value_of(read(csv({.scale = scale}), metres(1.0 / scale)));
+    EXPECT_NEAR(motion.clip.qpos(5)[2], 0.76, 1e-9);
   }
 }
 
@@ -169,9 +166,8 @@ TEST_F(UnitsTest, DegreesMustBeGiven) {
   expect_refused(csv({.angles = degrees}), OPTION("source-angles"));
   ReadMotionOptions in_degrees;
   in_degrees.degrees = true;
-  const auto motion = read(csv({.angles = degrees}), in_degrees);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_NEAR(motion->clip.qpos(0)[8], 0.3 * std::sin(8.0), 1e-9);
+  const auto motion = value_of(read(csv({.angles = degrees}), in_degrees));
+  EXPECT_NEAR(motion.clip.qpos(0)[8], 0.3 * std::sin(8.0), 1e-9);
   // Little movement: no number exceeds the widest joint range, but most joints exceed theirs.
   expect_doubted(csv({.swing = 0.05, .angles = degrees}), OPTION("source-angles"));
   EXPECT_THAT(read(csv({}))->warnings, IsEmpty());
@@ -185,10 +181,9 @@ TEST_F(UnitsTest, FoldedZeroPoseIsNotSmall) {
     <body name="shin" pos=".4 0 0"><joint name="knee" axis="0 1 0"/><geom size=".1"/>
     <body name="foot" pos="-.4 0 0"><joint name="ankle" axis="0 1 0"/><geom size=".1"/>
     </body></body></body></body></worldbody></mujoco>)");
-  const auto motion = read("0,0,0.8,0,0,0,1,0,0,0\n0,0,0.9,0,0,0,1,0,0,0\n");
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_EQ(motion->clip.qpos(1)[2], 0.9);
-  EXPECT_THAT(motion->warnings, IsEmpty());
+  const auto motion = value_of(read("0,0,0.8,0,0,0,1,0,0,0\n0,0,0.9,0,0,0,1,0,0,0\n"));
+  EXPECT_EQ(motion.clip.qpos(1)[2], 0.9);
+  EXPECT_THAT(motion.warnings, IsEmpty());
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "retarget/motion_io.h"
 #include "robot/model/variant.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -47,9 +48,7 @@ class VariantBodies : public testing::TestWithParam<int> {
  protected:
   void SetUp() override {
     maker_ = robot_from_text(g1_maker_model(GetParam()));
-    const auto variant = robot_variant(load_g1(), std::to_string(GetParam()));
-    ASSERT_TRUE(variant) << describe(variant.error());
-    variant_ = *variant;
+    variant_ = value_of(robot_variant(load_g1(), std::to_string(GetParam())));
   }
 
   // The largest difference of a body position (m) or quaternion component, over all frames.
@@ -100,30 +99,29 @@ TEST_P(VariantBodies, MatchTheMakersPositionsAndOrder) {
   options.rate = {50, 1};
   const RobotClip clip = random_clip(variant_);
   for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
-    const auto motion = make_tracking_motion(clip, format, options);
-    ASSERT_TRUE(motion) << describe(motion.error());
-    EXPECT_THAT(motion->joint_names, UnorderedElementsAreArray(maker_->joint_names()));
-    EXPECT_THAT(motion->body_names, UnorderedElementsAreArray(names));
+    const auto motion = value_of(make_tracking_motion(clip, format, options));
+    EXPECT_THAT(motion.joint_names, UnorderedElementsAreArray(maker_->joint_names()));
+    EXPECT_THAT(motion.body_names, UnorderedElementsAreArray(names));
     if (format == MotionFormat::kNpzMjlab) {
-      EXPECT_THAT(motion->joint_names, ElementsAreArray(maker_->joint_names()));
-      EXPECT_THAT(motion->body_names, ElementsAreArray(names));
+      EXPECT_THAT(motion.joint_names, ElementsAreArray(maker_->joint_names()));
+      EXPECT_THAT(motion.body_names, ElementsAreArray(names));
     }
-    EXPECT_LT(difference(*motion), kTolerance);
+    EXPECT_LT(difference(motion), kTolerance);
   }
 }
 
 // The names in trainer configurations: the anchor and the tracked bodies.
 TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
-  const auto motion = make_tracking_motion(random_clip(variant_), MotionFormat::kNpzBeyondMimic);
-  ASSERT_TRUE(motion);
-  EXPECT_THAT(motion->body_names,
+  const auto motion =
+      value_of(make_tracking_motion(random_clip(variant_), MotionFormat::kNpzBeyondMimic));
+  EXPECT_THAT(motion.body_names,
               IsSupersetOf({"pelvis", "left_hip_roll_link", "left_knee_link",
                             "left_ankle_roll_link", "right_hip_roll_link", "right_knee_link",
                             "right_ankle_roll_link", "torso_link", "left_shoulder_roll_link",
                             "left_elbow_link", "right_shoulder_roll_link", "right_elbow_link"}));
-  EXPECT_THAT(motion->body_names,
+  EXPECT_THAT(motion.body_names,
               Contains(GetParam() == 23 ? "left_wrist_roll_rubber_hand" : "left_wrist_yaw_link"));
-  EXPECT_EQ(motion->body_names.size(), GetParam() == 23 ? 24U : 30U);
+  EXPECT_EQ(motion.body_names.size(), GetParam() == 23 ? 24U : 30U);
 }
 
 TEST_P(VariantBodies, AllRoundTrip) {
@@ -131,14 +129,12 @@ TEST_P(VariantBodies, AllRoundTrip) {
   WriteMotionOptions writing;
   writing.tracking.rate = {50, 1};
   for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
-    const auto bytes = format_robot_motion(clip, format, writing);
-    ASSERT_TRUE(bytes) << describe(bytes.error());
+    const auto bytes = value_of(format_robot_motion(clip, format, writing));
     // Read them as the variant's file and as the whole robot's.
     for (const auto& robot : {variant_, load_g1()}) {
-      const auto motion = parse_robot_motion(*bytes, robot, "m.npz");
-      ASSERT_TRUE(motion) << describe(motion.error());
-      EXPECT_EQ(motion->format, format);
-      const RobotClip again = with_robot(motion->clip, variant_);
+      const auto motion = value_of(parse_robot_motion(bytes, robot, "m.npz"));
+      EXPECT_EQ(motion.format, format);
+      const RobotClip again = with_robot(motion.clip, variant_);
       for (int frame = 0; frame < again.frame_count(); ++frame) {
         for (std::size_t i = 0; i < again.qpos(frame).size(); ++i) {
           ASSERT_NEAR(again.qpos(frame)[i], clip.qpos(frame)[i], kTolerance) << frame << " " << i;
@@ -154,11 +150,9 @@ TEST_P(VariantBodies, ReadEarlierFiles) {
   RobotVariant earlier = variant_->variant();
   earlier.model.clear();
   earlier.bodies.clear();
-  const auto held = make_variant(load_g1(), earlier);
-  ASSERT_TRUE(held) << describe(held.error());
-  const auto bytes = format_robot_motion(random_clip(*held), MotionFormat::kNpzMjlab);
-  ASSERT_TRUE(bytes) << describe(bytes.error());
-  const auto motion = parse_robot_motion(*bytes, load_g1(), "m.npz");
+  const auto held = value_of(make_variant(load_g1(), earlier));
+  const auto bytes = value_of(format_robot_motion(random_clip(held), MotionFormat::kNpzMjlab));
+  const auto motion = parse_robot_motion(bytes, load_g1(), "m.npz");
   EXPECT_TRUE(motion) << describe(motion.error());
 }
 

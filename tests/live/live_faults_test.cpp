@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <random>
 
 #include "live/live_sample.h"
@@ -16,19 +15,9 @@
 namespace retarget {
 namespace {
 
-const Plan& walk() {
-  static const Plan plan = sample_plan("walk", Method::kFit);
-  return plan;
-}
-
-const HumanClip& walker() {
-  static const HumanClip human = human_of(walk());
-  return human;
-}
-
 // The walker at any time; it stands before and after.
 HumanPose walker_at(double time) {
-  const HumanClip& human = walker();
+  const HumanClip& human = walking_human();
   const double frame = std::clamp(time * human.rate.fps(), 0.0, human.frame_count - 1.001);
   const int before = static_cast<int>(frame);
   HumanPose pose;
@@ -44,7 +33,7 @@ HumanPose walker_at(double time) {
 class Stream {
  public:
   explicit Stream(const LiveOptions& options)
-      : session(LiveSession::make(walk(), options).value()) {}
+      : session(LiveSession::make(walk_plan(), options).value()) {}
 
   void frame(double time, double arrival) {
     wait(arrival);
@@ -143,7 +132,7 @@ TEST(LiveRates, AnyRateGivesEvenRobotFrames) {
 TEST(LiveRates, ADelayMakesFramesEven) {
   LiveOptions options = at_50();
   options.delay_s = 0.05;
-  LiveSession session = LiveSession::make(walk(), options).value();
+  LiveSession session = LiveSession::make(walk_plan(), options).value();
   // Frames arrive in pairs, as in some networks.
   std::vector<double> departures;
   int next = 0;
@@ -261,7 +250,7 @@ TEST(LiveFaults, ResumesSlowlyAfterAStall) {
 
 TEST(LiveFaults, FollowsAClockThatJumps) {
   for (const double jump : {-1000.0, 5000.0}) {
-    LiveSession session = LiveSession::make(walk(), at_50()).value();
+    LiveSession session = LiveSession::make(walk_plan(), at_50()).value();
     int frames = 0, held = 0;
     for (int i = 0; i < 240; ++i) {
       const double now = i / 60.0;
@@ -335,11 +324,11 @@ TEST(LiveFaults, ContinuesAtTheRobotsPoseWithAnotherBody) {
 }
 
 TEST(LiveFaults, ResetIsANewStream) {
-  LiveSession session = LiveSession::make(walk(), at_50()).value();
-  const auto first = streamed(session, walker());
+  LiveSession session = LiveSession::make(walk_plan(), at_50()).value();
+  const auto first = streamed(session, walking_human());
   session.reset();
   EXPECT_EQ(session.statistics().received, 0);
-  EXPECT_EQ(streamed(session, walker(), 100.0).size(), first.size());
+  EXPECT_EQ(streamed(session, walking_human(), 100.0).size(), first.size());
 }
 
 TEST(SenderClock, FollowsTheFastestFrames) {

@@ -14,16 +14,6 @@ namespace {
 
 constexpr double kHoldingFps = 50.0;
 
-const Plan& holding_plan() {
-  static const Plan plan = sample_plan("walk", Method::kFit);
-  return plan;
-}
-
-const HumanClip& holding_human() {
-  static const HumanClip human = human_of(holding_plan());
-  return human;
-}
-
 HumanPose displaced(HumanPose pose, const Eigen::Vector3d& by) {
   for (const Bone bone : kAllBones) pose[bone].translation += by;
   return pose;
@@ -59,9 +49,9 @@ LiveOptions holding_options(LiveMode mode) {
 
 // Tracking jumps away for four frames, then the stream stalls: the robot is on its way to a far target.
 std::vector<HeldFrame> frames_after_a_jump(const LiveOptions& options) {
-  LiveSession session = LiveSession::make(holding_plan(), options).value();
+  LiveSession session = LiveSession::make(walk_plan(), options).value();
   std::vector<HeldFrame> frames;
-  const HumanClip& human = holding_human();
+  const HumanClip& human = walking_human();
   for (int i = 0; i < 104; ++i) {
     const double now = i / 30.0;
     const Eigen::Vector3d by = i < 100 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(12.0, 0.0, 5.0);
@@ -120,8 +110,8 @@ TEST(LiveHolding, BrakesWithinTheLimits) {
 TEST(LiveHolding, AFillingWindowMovesNothing) {
   LiveOptions options = holding_options(LiveMode::kLag);
   options.lag_s = 0.5;
-  LiveSession session = LiveSession::make(holding_plan(), options).value();
-  const HumanClip& human = holding_human();
+  LiveSession session = LiveSession::make(walk_plan(), options).value();
+  const HumanClip& human = walking_human();
   std::vector<HeldFrame> frames;
   for (int i = 0; i < 200; ++i) {
     const double now = i / 30.0 + (i < 60 ? 0.0 : 1.0);
@@ -141,13 +131,13 @@ TEST(LiveHolding, AFillingWindowMovesNothing) {
 
 TEST(LiveTimes, GapsOfArrivalTimesAreNotLostFrames) {
   for (const bool stamped : {true, false}) {
-    LiveSession session = LiveSession::make(holding_plan()).value();
+    LiveSession session = LiveSession::make(walk_plan()).value();
     int sent = 0;
     for (int i = 0; i < 200; ++i) {
       if (i > 20 && i % 7 == 0) continue;
       const double now = i / 60.0;
       HumanFrame frame{stamped ? now : std::numeric_limits<double>::quiet_NaN(),
-                       holding_human().frame(i)};
+                       walking_human().frame(i)};
       session.push(frame, now);
       ++sent;
       while (session.pull(now)) {
@@ -163,8 +153,8 @@ TEST(LiveTimes, GapsOfArrivalTimesAreNotLostFrames) {
 }
 
 TEST(LiveTimes, TimesThatAreNoneChangeNothing) {
-  LiveSession session = LiveSession::make(holding_plan()).value();
-  const HumanPose pose = holding_human().frame(0);
+  LiveSession session = LiveSession::make(walk_plan()).value();
+  const HumanPose pose = walking_human().frame(0);
   session.push({0.0, pose}, 0.0);
   ASSERT_TRUE(session.pull(0.0));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

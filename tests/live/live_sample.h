@@ -2,15 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/live.h"
 #include "retarget/retarget.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -34,19 +33,26 @@ inline const LoadedRobot& sample_robot_arms() {
 
 inline Plan sample_plan(const std::string& name, Method method,
                         const LoadedRobot& robot = sample_robot()) {
-  auto clip = load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh");
-  EXPECT_TRUE(clip) << describe(clip.error());
+  auto clip = value_of(load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh"));
   Options options;
   options.solve.method = method;
   options.time.fps = std::nullopt;
-  auto plan = make_plan(std::move(*clip), robot, options);
-  EXPECT_TRUE(plan) << describe(plan.error());
-  return std::move(*plan);
+  return value_of(make_plan(std::move(clip), robot, options));
 }
 
 /// The human in a plan's clip, frame by frame.
 inline HumanClip human_of(const Plan& plan) {
   return to_human(*plan.clip, plan.human.calibration);
+}
+
+inline const Plan& walk_plan() {
+  static const Plan plan = sample_plan("walk", Method::kFit);
+  return plan;
+}
+
+inline const HumanClip& walking_human() {
+  static const HumanClip human = human_of(walk_plan());
+  return human;
 }
 
 /// The output of a session for a clip that arrives frame by frame, without delay.

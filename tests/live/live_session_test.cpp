@@ -11,6 +11,7 @@
 
 #include "live/live_sample.h"
 #include "support/counted_allocations.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -33,9 +34,7 @@ LiveOptions with_lag(double fps, double lag_s) {
 }
 
 LiveSession session_of(const Plan& plan, const LiveOptions& options) {
-  auto session = LiveSession::make(plan, options);
-  EXPECT_TRUE(session) << describe(session.error());
-  return std::move(*session);
+  return value_of(LiveSession::make(plan, options));
 }
 
 // The motion of a stream's frames, for measurement.
@@ -53,13 +52,12 @@ Motion motion_of(const Plan& plan, const std::vector<std::vector<double>>& frame
 TEST(LiveFrames, EqualThoseOfThePublishedMethod) {
   for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
     const Plan plan = sample_plan(name, Method::kGmr);
-    const auto offline = solve(plan);
-    ASSERT_TRUE(offline) << describe(offline.error());
+    const auto offline = value_of(solve(plan));
     LiveSession session = session_of(plan, plain_frames(plan.rate.fps()));
     const auto frames = streamed(session, human_of(plan));
-    ASSERT_EQ(static_cast<int>(frames.size()), offline->clip.frame_count()) << name;
+    ASSERT_EQ(static_cast<int>(frames.size()), offline.clip.frame_count()) << name;
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      const auto expected = offline->clip.qpos(static_cast<int>(i));
+      const auto expected = offline.clip.qpos(static_cast<int>(i));
       for (std::size_t j = 0; j < expected.size(); ++j) {
         ASSERT_NEAR(frames[i][j], expected[j], 1e-9) << name << ", frame " << i << ", value " << j;
       }
@@ -224,9 +222,7 @@ double figure(const QualityReport& report, const char* key) {
 }
 
 QualityReport measured(const Plan& plan, const std::vector<std::vector<double>>& frames) {
-  auto report = evaluate(motion_of(plan, frames));
-  EXPECT_TRUE(report) << describe(report.error());
-  return std::move(*report);
+  return value_of(evaluate(motion_of(plan, frames)));
 }
 
 TEST(LiveFrames, HoldFeetInPlaceAboveTheFloor) {
@@ -252,9 +248,8 @@ TEST(LiveLag, LagBeyondTheClipLengthPassesTheGatesOfTheFit) {
     LiveSession session = session_of(plan, with_lag(plan.rate.fps(), kLongLag));
     const auto frames = streamed(session, human_of(plan));
     ASSERT_EQ(static_cast<int>(frames.size()), plan.clip->frame_count()) << name;
-    const auto offline = solve(plan);
-    ASSERT_TRUE(offline) << describe(offline.error());
-    const QualityReport live = measured(plan, frames), whole = evaluate(*offline).value();
+    const auto offline = value_of(solve(plan));
+    const QualityReport live = measured(plan, frames), whole = evaluate(offline).value();
     for (std::size_t i = 0; i < whole.gates.size(); ++i) {
       if (!whole.gates[i].passed) continue;
       EXPECT_TRUE(live.gates[i].passed)

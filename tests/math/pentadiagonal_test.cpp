@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
 

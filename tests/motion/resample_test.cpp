@@ -10,6 +10,7 @@
 
 #include "motion/test_clips.h"
 #include "support/angles.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -25,9 +26,7 @@ AngleOverTime tone(double frequency, double amplitude = 1.0) {
 }
 
 Clip resampled(const Clip& clip, const FrameRate& rate, const ResampleOptions& options = {}) {
-  auto result = resample(clip, rate, options);
-  EXPECT_TRUE(result.has_value());
-  return *std::move(result);
+  return value_of(resample(clip, rate, options));
 }
 
 TEST(Resample, SparseClipsDoNotExhaustMemory) {

@@ -1,6 +1,7 @@
 // Options from JSON, terms by name.
 
 #include "retarget/option_table.h"
+#include "support/value_of.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,15 +12,14 @@ namespace {
 using testing::HasSubstr;
 
 TEST(FitOptions, ReadsByName) {
-  const auto options = parse_fit_options(
-      R"({"floor": false, "hand_rotation": 20, "contact_time": 0.2, "iterations": 3})", "a.json");
-  ASSERT_TRUE(options.has_value());
-  EXPECT_FALSE(options->floor);
-  EXPECT_EQ(options->weights.hand_rotation, 20.0);
-  EXPECT_EQ(options->contact_time, 0.2);
-  EXPECT_EQ(options->iterations, 3);
+  const auto options = value_of(parse_fit_options(
+      R"({"floor": false, "hand_rotation": 20, "contact_time": 0.2, "iterations": 3})", "a.json"));
+  EXPECT_FALSE(options.floor);
+  EXPECT_EQ(options.weights.hand_rotation, 20.0);
+  EXPECT_EQ(options.contact_time, 0.2);
+  EXPECT_EQ(options.iterations, 3);
   // Other options do not change.
-  EXPECT_EQ(options->weights.hips_rotation, FitOptions{}.weights.hips_rotation);
+  EXPECT_EQ(options.weights.hips_rotation, FitOptions{}.weights.hips_rotation);
 }
 
 TEST(FitOptions, ReportsAllErrors) {

@@ -13,6 +13,7 @@
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -36,19 +37,12 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     shared_ = *shared;
     const fs::path source = RETARGET_SOURCE_DIR;
     const auto files = find_robot(GetParam().robot, {source / "robots"}).value();
-    const auto robot = load_robot_files(files.model.string(), files.profile.string());
-    ASSERT_TRUE(robot) << describe(robot.error());
-    robot_ = *robot;
+    robot_ = value_of(load_robot_files(files.model.string(), files.profile.string()));
     const std::string file = "lafan1_to_" + std::string(GetParam().robot) + ".json";
-    const auto config = load_retargeting_config((source / "configs" / file).string());
-    ASSERT_TRUE(config) << describe(config.error());
-    read_ = *config;
-    const auto resolved = resolve_config(*config, *robot_);
-    ASSERT_TRUE(resolved) << describe(resolved.error());
-    config_ = *resolved;
-    const auto limits = load_limits(*robot_, robot_->limits_for("gmr"));
-    ASSERT_TRUE(limits) << describe(limits.error());
-    limits_ = *limits;
+    const auto config = value_of(load_retargeting_config((source / "configs" / file).string()));
+    read_ = config;
+    config_ = value_of(resolve_config(config, *robot_));
+    limits_ = value_of(load_limits(*robot_, robot_->limits_for("gmr")));
   }
 
   [[nodiscard]] HumanClip human(const std::string& clip, int frames) const {
@@ -66,16 +60,15 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
 
 TEST_P(Engines, UseThePublishedMapping) {
   const auto published =
-      load_retargeting_config((shared_ / "reference" / GetParam().published).string());
-  ASSERT_TRUE(published) << describe(published.error());
-  EXPECT_EQ(read_.robot_root, published->robot_root);
-  EXPECT_EQ(read_.human_root, published->human_root);
-  EXPECT_EQ(read_.ground_height, published->ground_height);
-  EXPECT_EQ(read_.human_height_assumption, published->human_height_assumption);
-  EXPECT_EQ(read_.scales, published->scales);
+      value_of(load_retargeting_config((shared_ / "reference" / GetParam().published).string()));
+  EXPECT_EQ(read_.robot_root, published.robot_root);
+  EXPECT_EQ(read_.human_root, published.human_root);
+  EXPECT_EQ(read_.ground_height, published.ground_height);
+  EXPECT_EQ(read_.human_height_assumption, published.human_height_assumption);
+  EXPECT_EQ(read_.scales, published.scales);
   for (int number = 0; number < 2; ++number) {
     const IkMatchTable& ours = read_.match_tables[number];
-    const IkMatchTable& theirs = published->match_tables[number];
+    const IkMatchTable& theirs = published.match_tables[number];
     EXPECT_EQ(ours.used, theirs.used);
     ASSERT_EQ(ours.rows.size(), theirs.rows.size());
     for (std::size_t i = 0; i < ours.rows.size(); ++i) {
@@ -134,11 +127,10 @@ TEST_P(Engines, MatchReferenceTrajectories) {
     for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
       SolveFramesOptions options;
       options.engine = engine;
-      const auto result = solve_frames(human(clip, static_cast<int>(expected.size())), robot_,
-                                       config_, limits_, options);
-      ASSERT_TRUE(result) << describe(result.error());
+      const auto result = value_of(solve_frames(human(clip, static_cast<int>(expected.size())),
+                                                robot_, config_, limits_, options));
       const auto difference =
-          compare_tables(parse_csv(format_robot_csv(result->clip, csv_options)), expected, 1e-6);
+          compare_tables(parse_csv(format_robot_csv(result.clip, csv_options)), expected, 1e-6);
       EXPECT_TRUE(difference.agree) << clip << ": " << difference.where;
     }
   }

@@ -8,11 +8,12 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/bvh/read_bvh.h"
 #include "solve/targets/solve_frames.h"
 #include "support/counted_allocations.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -24,7 +25,7 @@ RetargetingConfig published_tables() {
 }
 
 HumanClip sample(const char* name, int frames) {
-  const Clip clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + std::string(name) + ".bvh")->clip;
+  const Clip clip = recorded_clip(name);
   return to_human(cut(clip, 0, std::min(frames, clip.frame_count())),
                   lafan1_calibration(clip.skeleton()));
 }
@@ -41,11 +42,9 @@ std::vector<Pose> poses_by_name(const FrameRetargeter& retargeter, const HumanPo
 FrameRetargeter make_g1(const FrameRetargeterOptions& options = {1.75},
                         const RetargetingConfig& tables = published_tables()) {
   const auto robot = load_g1();
-  auto config = resolve_human_config(tables, *robot);
-  EXPECT_TRUE(config) << describe(config.error());
-  auto made = FrameRetargeter::make(robot, *config, load_limits(*robot, "gmr").value(), options);
-  EXPECT_TRUE(made) << describe(made.error());
-  return std::move(*made);
+  auto config = value_of(resolve_human_config(tables, *robot));
+  return value_of(
+      FrameRetargeter::make(robot, config, load_limits(*robot, "gmr").value(), options));
 }
 
 // The same tables for a human with other body names.

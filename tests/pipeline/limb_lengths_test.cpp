@@ -6,7 +6,6 @@
 
 #include <array>
 #include <new>
-#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "solve/targets/targets.h"
 #include "support/limbed_config.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -65,20 +65,19 @@ TEST(RobotLimbs, AreZeroIfNotMeasured) {
 
 TEST(RobotLimbs, AreMeasuredBetweenAxisIntersections) {
   const auto robot = robot_from_text(kLimbed);
-  const auto limbs = robot_limbs(*robot, resolved(limbed_config(), *robot));
-  ASSERT_TRUE(limbs) << describe(limbs.error());
+  const auto limbs = value_of(robot_limbs(*robot, resolved(limbed_config(), *robot)));
   // The hip axes meet at its second body, 12 cm above the thigh's origin; the pull towards the
   // anchors moves the centre by millimetres.
-  EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
-  EXPECT_NEAR(limbs->lengths.arm, 0.20 + 0.15, 2e-3);
-  EXPECT_NEAR(limbs->lengths.trunk, 0.40, 2e-3);
+  EXPECT_NEAR(limbs.lengths.leg, 0.30 + 0.25, 2e-3);
+  EXPECT_NEAR(limbs.lengths.arm, 0.20 + 0.15, 2e-3);
+  EXPECT_NEAR(limbs.lengths.trunk, 0.40, 2e-3);
   const auto centre = [&](const char* bone) {
-    return limbs->body_from_joint[bone_from_name(bone).value()];
+    return limbs.body_from_joint[bone_from_name(bone).value()];
   };
   EXPECT_LT((centre("LeftUpLeg") - Eigen::Vector3d(0, 0, 0.12)).norm(), 2e-3);
   EXPECT_LT((centre("RightFootMod") - Eigen::Vector3d(-0.03, 0, 0)).norm(), 2e-2);
   EXPECT_LT((centre("Hips") - Eigen::Vector3d(0, 0, -0.1)).norm(), 2e-3);
-  EXPECT_EQ(limbs->ankle_height, std::nullopt);
+  EXPECT_EQ(limbs.ankle_height, std::nullopt);
 }
 
 void replace_once(std::string& text, const std::string& from, const std::string& to) {
@@ -116,13 +115,12 @@ TEST(RobotLimbs, JointFramesBelongToTheBodiesBelowThem) {
   RobotProfile profile = bare->profile();
   profile.joint_frames = {"l_shin_frame", "r_shin_frame", "l_elbow_frame", "r_elbow_frame"};
   const Robot robot(ModelPtr(mj_copyModel(nullptr, bare->model())), std::move(profile));
-  const auto limbs = robot_limbs(robot, resolved(limbed_config(), robot));
-  ASSERT_TRUE(limbs) << describe(limbs.error());
-  EXPECT_NEAR(limbs->lengths.leg, expected->lengths.leg, 1e-9);
-  EXPECT_NEAR(limbs->lengths.arm, expected->lengths.arm, 1e-9);
-  EXPECT_NEAR(limbs->lengths.trunk, expected->lengths.trunk, 1e-9);
+  const auto limbs = value_of(robot_limbs(robot, resolved(limbed_config(), robot)));
+  EXPECT_NEAR(limbs.lengths.leg, expected->lengths.leg, 1e-9);
+  EXPECT_NEAR(limbs.lengths.arm, expected->lengths.arm, 1e-9);
+  EXPECT_NEAR(limbs.lengths.trunk, expected->lengths.trunk, 1e-9);
   for (const char* bone : {"LeftLeg", "RightLeg", "LeftForeArm", "RightForeArm"}) {
-    const Eigen::Vector3d& joint = limbs->body_from_joint[bone_from_name(bone).value()];
+    const Eigen::Vector3d& joint = limbs.body_from_joint[bone_from_name(bone).value()];
     EXPECT_LT((joint - Eigen::Vector3d(0, 0.04, -0.05)).norm(), 1e-9) << bone;
   }
 }
@@ -138,9 +136,8 @@ TEST(RobotLimbs, WristsAreOnTheAxisThatTwistsTheForearm) {
                      "<joint axis=\"0 0 1\" range=\"-1 1\" pos=\"-0.03 0 0.15\"/>");
   }
   const auto robot = robot_from_text(text);
-  const auto limbs = robot_limbs(*robot, resolved(limbed_config(), *robot));
-  ASSERT_TRUE(limbs) << describe(limbs.error());
-  const Eigen::Vector3d& wrist = limbs->body_from_joint[bone_from_name("LeftHand").value()];
+  const auto limbs = value_of(robot_limbs(*robot, resolved(limbed_config(), *robot)));
+  const Eigen::Vector3d& wrist = limbs.body_from_joint[bone_from_name("LeftHand").value()];
   EXPECT_LT((wrist - Eigen::Vector3d(-0.03, 0, 0)).norm(), 1e-9);
 }
 
@@ -165,11 +162,10 @@ TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
   RetargetingConfig config = limbed_config();
   std::erase_if(config.match_tables[0].rows,
                 [](const IkMatch& row) { return row.bone.ends_with("Hand"); });
-  const auto limbs = robot_limbs(*robot, resolved(config, *robot));
-  ASSERT_TRUE(limbs) << describe(limbs.error());
-  EXPECT_FALSE(limbs->forearms);
-  EXPECT_NEAR(limbs->lengths.arm, 0.20, 2e-3);
-  EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
+  const auto limbs = value_of(robot_limbs(*robot, resolved(config, *robot)));
+  EXPECT_FALSE(limbs.forearms);
+  EXPECT_NEAR(limbs.lengths.arm, 0.20, 2e-3);
+  EXPECT_NEAR(limbs.lengths.leg, 0.30 + 0.25, 2e-3);
   EXPECT_TRUE(robot_limbs(*robot, resolved(limbed_config(), *robot))->forearms);
   // The human's arms are then measured to the same point.
   HumanPose bones;
@@ -184,15 +180,14 @@ TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
 TEST(RobotLimbs, MatchTheG1) {
   const auto robot = load_g1();
   const ResolvedConfig config = published_config(*robot);
-  const auto limbs = robot_limbs(*robot, config);
-  ASSERT_TRUE(limbs) << describe(limbs.error());
+  const auto limbs = value_of(robot_limbs(*robot, config));
   // From the model: the hips are 3 cm below the pitch axis, the shins are 300 mm long.
-  EXPECT_NEAR(limbs->lengths.leg, 0.62, 0.03);
-  EXPECT_NEAR(limbs->lengths.arm, 0.37, 0.06);
-  ASSERT_TRUE(limbs->ankle_height);
+  EXPECT_NEAR(limbs.lengths.leg, 0.62, 0.03);
+  EXPECT_NEAR(limbs.lengths.arm, 0.37, 0.06);
+  ASSERT_TRUE(limbs.ankle_height);
   // The ankle axes are 17.558 mm apart, the lower one is 35.4 mm above the sole.
-  EXPECT_GT(*limbs->ankle_height, 0.0354);
-  EXPECT_LT(*limbs->ankle_height, 0.0354 + 0.0176);
+  EXPECT_GT(*limbs.ankle_height, 0.0354);
+  EXPECT_LT(*limbs.ankle_height, 0.0354 + 0.0176);
 }
 
 TEST(RobotLimbs, NeedTheMappedBodies) {

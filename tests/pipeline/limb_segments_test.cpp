@@ -11,7 +11,6 @@
 #include <set>
 
 #include "formats/bvh/read_bvh.h"
-#include "formats/smpl/read_smpl.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
 #include "retarget/resample.h"
@@ -19,6 +18,7 @@
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -187,21 +187,19 @@ class LimbSegments : public ::testing::Test {
 
   // Means of files that are no worse than LAFAN1's walking, with some tolerance.
   void expect_near_lafan1(const std::vector<fs::path>& files) {
-    const auto walking = run(data_ / "lafan1" / "walk4_subject1.bvh");
-    ASSERT_TRUE(walking) << describe(walking.error());
-    std::cout << "walk4_subject1: " << mean(walking->angles) << " degrees\n";
+    const auto walking = value_of(run(data_ / "lafan1" / "walk4_subject1.bvh"));
+    std::cout << "walk4_subject1: " << mean(walking.angles) << " degrees\n";
     for (const fs::path& file : files) {
-      const auto outcome = run(file);
-      ASSERT_TRUE(outcome) << describe(outcome.error());
-      const double found = mean(outcome->angles);
+      const auto outcome = value_of(run(file));
+      const double found = mean(outcome.angles);
       std::string single;
       for (std::size_t i = 0; i < kSegments.size(); ++i) {
-        single += std::string(", ") + kSegments[i].name + " " + std::to_string(outcome->angles[i]);
+        single += std::string(", ") + kSegments[i].name + " " + std::to_string(outcome.angles[i]);
         // Swapped sides, a mirrored or a lying robot.
-        EXPECT_LT(outcome->angles[i], 60.0) << file << ": " << kSegments[i].name;
+        EXPECT_LT(outcome.angles[i], 60.0) << file << ": " << kSegments[i].name;
       }
       std::cout << file.filename().string() << ": " << found << " degrees" << single << "\n";
-      EXPECT_LT(found, mean(walking->angles) + 3.0) << file;
+      EXPECT_LT(found, mean(walking.angles) + 3.0) << file;
     }
   }
 

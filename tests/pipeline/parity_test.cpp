@@ -16,6 +16,7 @@
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -27,23 +28,17 @@ const fs::path kSource = RETARGET_SOURCE_DIR;
 constexpr double kTolerance = 1e-6;  // rad and m
 
 ResolvedConfig g1_tables(const Robot& robot) {
-  const auto config =
-      load_config((kSource / "configs" / "lafan1_to_unitree_g1.json").string(), robot);
-  EXPECT_TRUE(config) << describe(config.error());
-  return *config;
+  return value_of(load_config((kSource / "configs" / "lafan1_to_unitree_g1.json").string(), robot));
 }
 
 LimitSet gmr_limits(const Robot& robot) {
-  const auto limits = load_limits(robot, "gmr");
-  EXPECT_TRUE(limits) << describe(limits.error());
-  return *limits;
+  return value_of(load_limits(robot, "gmr"));
 }
 
 // The first frames of a clip, without resampling.
 HumanClip load_human(const fs::path& bvh, int frames) {
-  const auto file = load_bvh(bvh.string());
-  EXPECT_TRUE(file) << (file ? "" : describe(file.error()));
-  const Clip& clip = file->clip;
+  const auto file = value_of(load_bvh(bvh.string()));
+  const Clip& clip = file.clip;
   return to_human(cut(clip, 0, std::min(frames, clip.frame_count())),
                   lafan1_calibration(clip.skeleton()));
 }
@@ -52,12 +47,11 @@ std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, 
   const auto robot = load_g1();
   SolveFramesOptions retarget_options;
   retarget_options.engine = engine;
-  const auto result = solve_frames(load_human(bvh, frames), robot, g1_tables(*robot),
-                                   gmr_limits(*robot), retarget_options);
-  EXPECT_TRUE(result) << describe(result.error());
+  const auto result = value_of(solve_frames(load_human(bvh, frames), robot, g1_tables(*robot),
+                                            gmr_limits(*robot), retarget_options));
   RobotCsvOptions options;
   options.precision = 17;
-  return parse_csv(format_robot_csv(result->clip, options));
+  return parse_csv(format_robot_csv(result.clip, options));
 }
 
 class Samples : public ::testing::TestWithParam<const char*> {};

@@ -10,21 +10,20 @@
 #include "human/twins.h"
 #include "solve/targets/solve_frames.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
 
 RobotClip robot_motion(const Clip& clip) {
   const auto map = lafan1_map(clip.skeleton(), "test");
-  const auto found = calibrate(clip, map, {});
-  EXPECT_TRUE(found) << describe(found.error());
+  const auto found = value_of(calibrate(clip, map, {}));
   const auto robot = load_g1();
   const ResolvedConfig config = published_config(*robot);
   SolveFramesOptions options;
   options.scale = ScaleRule::kLimbs;
-  auto result = solve_frames(clip, *found, robot, config, robot->model_limits(), options);
-  EXPECT_TRUE(result) << describe(result.error());
-  return std::move(result->clip);
+  auto result = value_of(solve_frames(clip, found, robot, config, robot->model_limits(), options));
+  return std::move(result.clip);
 }
 
 TEST(RestTwins, APoseAndIPoseGiveTheSameMotion) {

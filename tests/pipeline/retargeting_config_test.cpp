@@ -7,6 +7,7 @@
 
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -51,29 +52,27 @@ std::string fault_of(const OrderedJson& json) {
 }
 
 TEST(RetargetingConfig, ReadsAMappingInFileOrder) {
-  const auto config = parse(good_config());
-  ASSERT_TRUE(config) << describe(config.error());
+  const auto config = value_of(parse(good_config()));
   EXPECT_EQ(fault_of(good_config()), "no fault");
-  EXPECT_EQ(config->robot_root, "base");
-  EXPECT_EQ(config->human_root, "Hips");
-  EXPECT_EQ(config->ground_height, 0.1);
-  ASSERT_EQ(config->match_tables[1].rows.size(), 2u);
-  EXPECT_EQ(config->match_tables[1].rows[0].body, "left_upper");
-  EXPECT_EQ(config->match_tables[1].rows[1].position_weight, 100.0);
-  const IkMatch& row = config->match_tables[0].rows[1];
+  EXPECT_EQ(config.robot_root, "base");
+  EXPECT_EQ(config.human_root, "Hips");
+  EXPECT_EQ(config.ground_height, 0.1);
+  ASSERT_EQ(config.match_tables[1].rows.size(), 2u);
+  EXPECT_EQ(config.match_tables[1].rows[0].body, "left_upper");
+  EXPECT_EQ(config.match_tables[1].rows[1].position_weight, 100.0);
+  const IkMatch& row = config.match_tables[0].rows[1];
   EXPECT_EQ(row.bone, "LeftArm");
   EXPECT_EQ(row.position_offset, Eigen::Vector3d(0.1, 0.2, 0.3));
   // Within 1e-3 of a unit quaternion: normalised.
   EXPECT_EQ(row.rotation_offset.coeffs(), Eigen::Vector4d(0, 0, 1, 0));
-  EXPECT_EQ(*config->find_scale("LeftArm"), 0.75);
-  EXPECT_EQ(config->find_scale("RightArm"), nullptr);
+  EXPECT_EQ(*config.find_scale("LeftArm"), 0.75);
+  EXPECT_EQ(config.find_scale("RightArm"), nullptr);
 }
 
 TEST(RetargetingConfig, ReadsTheMappingOfTheRepository) {
-  const auto config = load_retargeting_config(std::string(RETARGET_SOURCE_DIR) +
-                                              "/configs/lafan1_to_unitree_g1.json");
-  ASSERT_TRUE(config) << describe(config.error());
-  const auto checked = resolve_config(*config, *load_g1());
+  const auto config = value_of(load_retargeting_config(std::string(RETARGET_SOURCE_DIR) +
+                                                       "/configs/lafan1_to_unitree_g1.json"));
+  const auto checked = resolve_config(config, *load_g1());
   EXPECT_TRUE(checked) << describe(checked.error());
 }
 

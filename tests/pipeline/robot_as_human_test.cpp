@@ -12,12 +12,13 @@
 #include <vector>
 
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/load_robot.h"
 #include "retarget/robots.h"
 #include "solve/targets/targets.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -65,21 +66,19 @@ class EveryRobot : public testing::TestWithParam<const char*> {};
 TEST_P(EveryRobot, TargetsEqualItsOwnMotion) {
   const SomeRobot some = some_robot(GetParam());
   const RobotClip motion = random_motion(some.robot, 20);
-  const auto as_human = RobotAsHuman::make(*some.robot, some.config);
-  ASSERT_TRUE(as_human) << describe(as_human.error());
-  const Clip clip = clip_of_robot_human(as_human->human_of(motion), "random");
+  const auto as_human = value_of(RobotAsHuman::make(*some.robot, some.config));
+  const Clip clip = clip_of_robot_human(as_human.human_of(motion), "random");
   const Calibration calibration = calibration_of_robot(clip, bone_map_of_robot(clip));
   HumanPoser poser(clip, calibration);
-  const auto targets = make_targets(poser.info(), poses_of(poser), *some.robot, some.config,
-                                    ScaleRule::kLimbs, TrunkRule::kLines);
-  ASSERT_TRUE(targets) << describe(targets.error());
-  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
+  const auto targets = value_of(make_targets(poser.info(), poses_of(poser), *some.robot,
+                                             some.config, ScaleRule::kLimbs, TrunkRule::kLines));
+  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
   std::vector<Pose> world_from_body(some.robot->bodies().size());
   HumanPose bones;
-  const std::vector<Bone> followed = targets->bones();
+  const std::vector<Bone> followed = targets.bones();
   for (int frame = 0; frame < motion.frame_count(); ++frame) {
     poser.pose(frame, bones);
-    targets->build(bones, world_from_target);
+    targets.build(bones, world_from_target);
     forward_kinematics(*some.robot, motion.qpos(frame), world_from_body);
     const Eigen::Vector3d lift = world_from_target.front().translation -
                                  world_from_body[some.config.body_of(Bone::kHips)].translation;
@@ -106,9 +105,8 @@ INSTANTIATE_TEST_SUITE_P(Robots, EveryRobot,
 TEST(RobotAsHuman, HasTheRobotsSolesAndLengths) {
   const SomeRobot g1 = some_robot("unitree_g1");
   const RobotClip still(g1.robot, {30, 1}, 30);
-  const auto as_human = RobotAsHuman::make(*g1.robot, g1.config);
-  ASSERT_TRUE(as_human) << describe(as_human.error());
-  const Clip clip = clip_of_robot_human(as_human->human_of(still), "still");
+  const auto as_human = value_of(RobotAsHuman::make(*g1.robot, g1.config));
+  const Clip clip = clip_of_robot_human(as_human.human_of(still), "still");
   EXPECT_EQ(clip.origin().robot, "unitree_g1");
   const HumanClip human = to_human(clip, calibration_of_robot(clip, bone_map_of_robot(clip)));
   const RobotLimbs limbs = robot_limbs(*g1.robot, g1.config).value();
@@ -145,9 +143,8 @@ TEST(RobotAsHuman, HeelsRiseAsSolesDo) {
   for (int frame = 30; frame < 60; ++frame) {
     motion.qpos(frame)[g1.robot->joints()[pitch].qpos_address] = -0.5;  // toes up
   }
-  const auto as_human = RobotAsHuman::make(*g1.robot, g1.config);
-  ASSERT_TRUE(as_human) << describe(as_human.error());
-  const Clip clip = clip_of_robot_human(as_human->human_of(motion), "toes up");
+  const auto as_human = value_of(RobotAsHuman::make(*g1.robot, g1.config));
+  const Clip clip = clip_of_robot_human(as_human.human_of(motion), "toes up");
   const HumanClip human = to_human(clip, calibration_of_robot(clip, bone_map_of_robot(clip)));
   const SourceFeet feet(human, human.frame_count);
   std::vector<Pose> world_from_body(g1.robot->bodies().size());

@@ -10,6 +10,7 @@
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -18,9 +19,8 @@ const std::filesystem::path kRoot = RETARGET_SOURCE_DIR;
 
 // Repeats the first frame of a clip.
 Clip first_frame(const std::filesystem::path& bvh, int frames) {
-  const auto file = load_bvh(bvh.string());
-  EXPECT_TRUE(file.has_value());
-  Clip clip = cut(file->clip, 0, frames);
+  const auto file = value_of(load_bvh(bvh.string()));
+  Clip clip = cut(file.clip, 0, frames);
   for (int frame = 1; frame < frames; ++frame) {
     std::ranges::copy(clip.rotations(0), clip.rotations(frame).begin());
     std::ranges::copy(clip.translations(0), clip.translations(frame).begin());
@@ -31,15 +31,13 @@ Clip first_frame(const std::filesystem::path& bvh, int frames) {
 RobotClip solved(const Clip& clip, const std::string& name,
                  const std::shared_ptr<const Robot>& robot, bool settle) {
   const auto config =
-      load_config((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot);
+      value_of(load_config((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot));
   const Calibration calibration = lafan1_calibration(clip.skeleton());
-  EXPECT_TRUE(config.has_value());
   SolveFramesOptions options;
   options.settle = settle;
   const auto result =
-      solve_frames(clip, calibration, robot, *config, robot->model_limits(), options);
-  EXPECT_TRUE(result.has_value());
-  return result->clip;
+      value_of(solve_frames(clip, calibration, robot, config, robot->model_limits(), options));
+  return result.clip;
 }
 
 // Joint movement between the first and the last frame.
@@ -72,12 +70,11 @@ TEST(SettledRun, ReportsEveryFrameOnceInOrder) {
       told.clear();
       options.targets_ahead = ahead;
       const auto result =
-          solve_frames(clip, calibration, robot, *config, robot->model_limits(), options);
-      ASSERT_TRUE(result) << describe(result.error());
+          value_of(solve_frames(clip, calibration, robot, *config, robot->model_limits(), options));
       ASSERT_EQ(static_cast<int>(told.size()), frames);
       for (int frame = 0; frame < frames; ++frame) {
         EXPECT_TRUE(
-            std::ranges::equal(told[static_cast<std::size_t>(frame)], result->clip.qpos(frame)))
+            std::ranges::equal(told[static_cast<std::size_t>(frame)], result.clip.qpos(frame)))
             << frame << " of " << frames;
       }
     }
@@ -96,21 +93,18 @@ TEST(SettledFirstFrame, FirstFrameHasConverged) {
 TEST(SettledFirstFrame, DoesNotJamALimbAtItsLimits) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
-  const auto folder = kRoot / "robots" / "stanford_toddy";
-  const auto robot =
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
-  ASSERT_TRUE(robot.has_value());
+  const auto robot = load_robot_in(kRoot / "robots" / "stanford_toddy");
   const Clip source = first_frame(*shared / "data" / "lafan1" / "dance1_subject2.bvh", 1);
-  const RobotClip clip = solved(source, "stanford_toddy", *robot, true);
+  const RobotClip clip = solved(source, "stanford_toddy", robot, true);
   // From all joints at 0, two joints of the right shoulder end at their limits and stay there.
   int at_limits = 0;
   for (const char* name : {"right_sho_pitch", "right_sho_roll", "right_sho_yaw"}) {
-    const int joint = (*robot)->find_joint(name).value();
+    const int joint = robot->find_joint(name).value();
     const auto index = static_cast<std::size_t>(joint);
     const double value =
-        clip.qpos(0)[static_cast<std::size_t>((*robot)->joints()[index].qpos_address)];
-    if (value < (*robot)->model_limits().lower[index] + 1e-3) ++at_limits;
-    if (value > (*robot)->model_limits().upper[index] - 1e-3) ++at_limits;
+        clip.qpos(0)[static_cast<std::size_t>(robot->joints()[index].qpos_address)];
+    if (value < robot->model_limits().lower[index] + 1e-3) ++at_limits;
+    if (value > robot->model_limits().upper[index] - 1e-3) ++at_limits;
   }
   EXPECT_LT(at_limits, 2);
 }

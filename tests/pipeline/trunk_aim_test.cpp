@@ -82,30 +82,27 @@ TEST_P(TrunkOf, IsUprightIfTheHumanIs) {
   std::vector<Pose> world_from_body(of.robot->bodies().size());
   forward_kinematics(*of.robot, of.robot->zero_configuration(), world_from_body);
   const auto pose = [&](int body) { return world_from_body[static_cast<std::size_t>(body)]; };
-  const auto aimed = of.aim.aim(human(kStill, kStill));
-  ASSERT_TRUE(aimed);
+  const auto aimed = of.aim.aim(human(kStill, kStill)).value();
   // Pelvis against torso, and the line between hips and shoulders, as in the zero configuration.
   const Quaterniond waist = pose(of.pelvis).rotation.conjugate() * pose(of.torso).rotation;
   EXPECT_LT(
-      log_so3(waist.conjugate() * aimed->world_from_pelvis.conjugate() * aimed->world_from_torso)
+      log_so3(waist.conjugate() * aimed.world_from_pelvis.conjugate() * aimed.world_from_torso)
           .norm(),
       1e-6);
   const Vector3d chord = of.limbs.shoulder_centre - of.limbs.hip_centre;
-  EXPECT_NEAR(aimed->chord.z(), chord.z(), 1e-6);
-  EXPECT_NEAR(aimed->chord.norm(), chord.norm(), 1e-6);
+  EXPECT_NEAR(aimed.chord.z(), chord.z(), 1e-6);
+  EXPECT_NEAR(aimed.chord.norm(), chord.norm(), 1e-6);
   const Quaterniond hips(canonical_t_pose(Bone::kHips));
-  EXPECT_LT(log_so3((hips * of.hips_to_pelvis).conjugate() * aimed->world_from_pelvis).norm(),
-            1e-6);
+  EXPECT_LT(log_so3((hips * of.hips_to_pelvis).conjugate() * aimed.world_from_pelvis).norm(), 1e-6);
 }
 
 TEST_P(TrunkOf, LeansAsTheHumanForAnyWaist) {
   const AimedRobot of = aimed_robot(GetParam());
   const auto upright = of.aim.aim(human(kStill, kStill));
   for (const Vector3d& bend : {Vector3d(0, 0.5, 0), Vector3d(0.3, 0, 0), Vector3d(0.1, 0.8, 0.1)}) {
-    const auto aimed = of.aim.aim(human(kStill, exp_so3(bend)));
-    ASSERT_TRUE(aimed);
+    const auto aimed = of.aim.aim(human(kStill, exp_so3(bend))).value();
     // A rigid trunk lets the pelvis, which did not move, rotate a little.
-    EXPECT_LT(trunk_between(aimed->chord, exp_so3(bend) * upright->chord), 4.0) << bend.transpose();
+    EXPECT_LT(trunk_between(aimed.chord, exp_so3(bend) * upright->chord), 4.0) << bend.transpose();
   }
 }
 
@@ -151,9 +148,8 @@ WaistPose waist_pose(const TrunkAim::Aimed& aimed) {
 
 TEST(TrunkAim, ShouldersMatchForwardKinematics) {
   const AimedRobot of = aimed_robot("unitree_g1");
-  const auto aimed = of.aim.aim(human(exp_so3({0.1, 0.2, 0.5}), exp_so3({-0.1, 0.6, 0.9})));
-  ASSERT_TRUE(aimed);
-  EXPECT_LT((lines_of(of, waist_pose(*aimed)).chord - aimed->chord).norm(), 1e-9);
+  const auto aimed = of.aim.aim(human(exp_so3({0.1, 0.2, 0.5}), exp_so3({-0.1, 0.6, 0.9}))).value();
+  EXPECT_LT((lines_of(of, waist_pose(aimed)).chord - aimed.chord).norm(), 1e-9);
 }
 
 TEST(TrunkAim, IsOptimalForTheWaist) {
@@ -168,15 +164,14 @@ TEST(TrunkAim, IsOptimalForTheWaist) {
   int at_limit = 0;
   for (int i = 0; i < 50; ++i) {
     const Quaterniond pelvis = exp_so3(noise(0.3)), trunk = exp_so3(noise(0.6));
-    const auto aimed = of.aim.aim(human(pelvis, trunk));
-    ASSERT_TRUE(aimed);
+    const auto aimed = of.aim.aim(human(pelvis, trunk)).value();
     const auto cost = [&](const WaistPose& pose) {
       const TrunkLines lines = lines_of(of, pose);
       return (lines.chord.normalized() - trunk * zero.chord.normalized()).squaredNorm() +
              0.25 * (lines.across.normalized() - trunk * zero.across.normalized()).squaredNorm() +
              0.04 * log_so3(pose.pelvis * pelvis.conjugate()).squaredNorm();
     };
-    const WaistPose best = waist_pose(*aimed);
+    const WaistPose best = waist_pose(aimed);
     EXPECT_LE(std::abs(best.yaw_roll_pitch.y()), pitch_range + 1e-9);
     EXPECT_LE(std::abs(best.yaw_roll_pitch.z()), pitch_range + 1e-9);
     at_limit += std::abs(best.yaw_roll_pitch.z()) > pitch_range - 1e-9 ? 1 : 0;
@@ -287,12 +282,11 @@ TEST(TrunkAim, ReturnsNonFiniteRotationsForANonFiniteHuman) {
   const AimedRobot of = aimed_robot("unitree_g1");
   HumanPose bones = human(kStill, kStill);
   bones[Bone::kHips].rotation.coeffs().fill(std::nan(""));
-  const auto aimed = of.aim.aim(bones);
-  ASSERT_TRUE(aimed);
-  for (const Quaterniond& rotation : {aimed->world_from_pelvis, aimed->world_from_torso}) {
+  const auto aimed = of.aim.aim(bones).value();
+  for (const Quaterniond& rotation : {aimed.world_from_pelvis, aimed.world_from_torso}) {
     EXPECT_TRUE(rotation.coeffs().array().isNaN().all());
   }
-  EXPECT_FALSE(aimed->chord.allFinite());
+  EXPECT_FALSE(aimed.chord.allFinite());
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -144,12 +143,11 @@ TEST(TrunkLines, DoNotNeedClaviclesAndSpine) {
 }
 
 TEST(TrunkFrame, IsARotationUnlessLinesAreParallel) {
-  const auto frame = trunk_frame({{0.1, 0.0, 0.5}, {0.05, 0.3, 0.1}});
-  ASSERT_TRUE(frame);
-  EXPECT_LT((*frame * frame->transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
-  EXPECT_NEAR(frame->determinant(), 1.0, 1e-12);
-  EXPECT_LT((frame->col(2) - Vector3d(0.1, 0.0, 0.5).normalized()).norm(), 1e-12);
-  EXPECT_GT(frame->col(1).y(), 0.9);
+  const auto frame = trunk_frame({{0.1, 0.0, 0.5}, {0.05, 0.3, 0.1}}).value();
+  EXPECT_LT((frame * frame.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_NEAR(frame.determinant(), 1.0, 1e-12);
+  EXPECT_LT((frame.col(2) - Vector3d(0.1, 0.0, 0.5).normalized()).norm(), 1e-12);
+  EXPECT_GT(frame.col(1).y(), 0.9);
   EXPECT_FALSE(trunk_frame({}));
   EXPECT_FALSE(trunk_frame({{0.0, 0.0, 0.5}, {0.0, 0.0, 0.3}}));
 }

@@ -12,6 +12,7 @@
 
 #include "retarget/so3.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -51,88 +52,71 @@ std::string content(const std::filesystem::path& path) {
 }
 
 TEST(FrontDoor, FindsProfilesWithoutADataFolder) {
-  auto clip = load_clip(sample("walk"));
-  ASSERT_TRUE(clip) << describe(clip.error());
-  const auto human = find_human(*clip, {}, "");
+  auto clip = value_of(load_clip(sample("walk")));
+  const auto human = find_human(clip, {}, "");
   ASSERT_TRUE(human) << describe(human.error());
 }
 
 TEST(FrontDoor, RetargetsAClipToAFile) {
   const TemporaryFolder folder;
-  const auto robot = g1();
-  ASSERT_TRUE(robot) << describe(robot.error());
-  const auto clip = load_clip(sample("walk"));
-  ASSERT_TRUE(clip) << describe(clip.error());
-  const auto plan = make_plan(*clip, *robot, short_options());
-  ASSERT_TRUE(plan) << describe(plan.error());
-  EXPECT_THAT(plan->summary(), HasSubstr("taken as"));
-  EXPECT_THAT(plan->summary(), HasSubstr("unitree_g1, 29 joints"));
-  EXPECT_EQ(plan->frame_count(), 30);
-  const auto motion = solve(*plan);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_EQ(motion->clip.frame_count(), 30);
-  ASSERT_TRUE(motion->fit);
-  ASSERT_TRUE(save(*motion, (folder.path() / "walk.csv").string()));
+  const auto robot = value_of(g1());
+  const auto clip = value_of(load_clip(sample("walk")));
+  const auto plan = value_of(make_plan(clip, robot, short_options()));
+  EXPECT_THAT(plan.summary(), HasSubstr("taken as"));
+  EXPECT_THAT(plan.summary(), HasSubstr("unitree_g1, 29 joints"));
+  EXPECT_EQ(plan.frame_count(), 30);
+  const auto motion = value_of(solve(plan));
+  EXPECT_EQ(motion.clip.frame_count(), 30);
+  ASSERT_TRUE(motion.fit);
+  ASSERT_TRUE(save(motion, (folder.path() / "walk.csv").string()));
   const std::string text = content(folder.path() / "walk.csv");
   EXPECT_EQ(std::ranges::count(text, '\n'), 30);
-  EXPECT_EQ(text, format_robot_csv(motion->clip));
-  const auto report = evaluate(*motion);
-  ASSERT_TRUE(report) << describe(report.error());
-  EXPECT_NE(report->find("limb_angle_deg"), nullptr);
+  EXPECT_EQ(text, format_robot_csv(motion.clip));
+  const auto report = value_of(evaluate(motion));
+  EXPECT_NE(report.find("limb_angle_deg"), nullptr);
 }
 
 TEST(FrontDoor, ReproducesTheGoldenFile) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto robot = value_of(g1());
   Options options;
   options.solve.method = Method::kGmr;
-  const auto plan = make_plan(load_clip(sample("walk")).value(), *robot, options);
-  ASSERT_TRUE(plan) << describe(plan.error());
-  const auto motion = solve(*plan);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  const auto golden = load_robot_motion(kSource + "/tests/golden/walk.csv", robot->robot);
-  ASSERT_TRUE(golden) << describe(golden.error());
-  ASSERT_EQ(motion->clip.frame_count(), golden->clip.frame_count());
-  for (int frame = 0; frame < motion->clip.frame_count(); ++frame) {
-    const auto found = std::as_const(motion->clip).qpos(frame);
-    const auto expected = std::as_const(golden->clip).qpos(frame);
+  const auto plan = value_of(make_plan(load_clip(sample("walk")).value(), robot, options));
+  const auto motion = value_of(solve(plan));
+  const auto golden = value_of(load_robot_motion(kSource + "/tests/golden/walk.csv", robot.robot));
+  ASSERT_EQ(motion.clip.frame_count(), golden.clip.frame_count());
+  for (int frame = 0; frame < motion.clip.frame_count(); ++frame) {
+    const auto found = std::as_const(motion.clip).qpos(frame);
+    const auto expected = std::as_const(golden.clip).qpos(frame);
     for (std::size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], expected[i], 1e-6);
   }
 }
 
 TEST(FrontDoor, DecisionsCanBeReplaced) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot);
-  auto clip = load_clip(sample("walk"));
-  ASSERT_TRUE(clip);
-  auto plan = make_plan(std::move(*clip), *robot, short_options(Method::kGmr));
-  ASSERT_TRUE(plan) << describe(plan.error());
-  plan->part = {10, 20};
-  plan->scale = ScaleRule::kHeight;
-  const auto motion = solve(*plan);
-  ASSERT_TRUE(motion) << describe(motion.error());
-  EXPECT_EQ(motion->clip.frame_count(), 10);
-  auto limbs = *plan;
+  const auto robot = value_of(g1());
+  auto clip = value_of(load_clip(sample("walk")));
+  auto plan = value_of(make_plan(std::move(clip), robot, short_options(Method::kGmr)));
+  plan.part = {10, 20};
+  plan.scale = ScaleRule::kHeight;
+  const auto motion = value_of(solve(plan));
+  EXPECT_EQ(motion.clip.frame_count(), 10);
+  auto limbs = plan;
   limbs.scale = ScaleRule::kLimbs;
   const auto other = solve(std::move(limbs));
   ASSERT_TRUE(other);
-  EXPECT_NE(format_robot_csv(motion->clip), format_robot_csv(other->clip));
+  EXPECT_NE(format_robot_csv(motion.clip), format_robot_csv(other->clip));
 }
 
 TEST(FrontDoor, SolvingReportsProgressAndCanBeStopped) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot);
-  auto clip = load_clip(sample("walk"));
-  ASSERT_TRUE(clip);
-  const auto plan = make_plan(std::move(*clip), *robot, short_options());
-  ASSERT_TRUE(plan);
+  const auto robot = value_of(g1());
+  auto clip = value_of(load_clip(sample("walk")));
+  const auto plan = value_of(make_plan(std::move(clip), robot, short_options()));
   int told = 0;
   SolveControl control;
   control.frame_solved = [&](int frame, std::span<const double>) { EXPECT_EQ(frame, told++); };
-  ASSERT_TRUE(solve(*plan, control));
+  ASSERT_TRUE(solve(plan, control));
   EXPECT_EQ(told, 30);
   control.keep_going = [](const Progress&) { return false; };
-  const auto stopped = solve(*plan, control);
+  const auto stopped = solve(plan, control);
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }
@@ -144,9 +128,8 @@ TEST(FrontDoor, ErrorsNameOptionFields) {
   EXPECT_EQ(load_clip("nowhere.bvh").error().location.file, "nowhere.bvh");
   auto options = short_options(Method::kGmr);
   options.solve.without = {"floor"};
-  const auto known = g1();
-  ASSERT_TRUE(known);
-  const auto plan = make_plan(load_clip(sample("walk")).value(), *known, options);
+  const auto known = value_of(g1());
+  const auto plan = make_plan(load_clip(sample("walk")).value(), known, options);
   ASSERT_FALSE(plan);
   EXPECT_THAT(describe(plan.error()),
               HasSubstr("fit_config, with, without and window require method"));
@@ -157,18 +140,15 @@ TEST(FrontDoor, ErrorsNameOptionFields) {
 TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
   Options options = short_options();
   options.part.frames = "60:90";  // Standing frames need no forces that the contacts lack.
-  auto plan = make_plan(*load_clip(sample("walk")), *g1(), options);
-  ASSERT_TRUE(plan) << describe(plan.error());
-  const auto sound = solve(*plan);
-  ASSERT_TRUE(sound) << describe(sound.error());
-  EXPECT_TRUE(sound->solver_failures.empty());
-  EXPECT_EQ(evaluate(*sound)->find("solver_failures")->value, 0.0);
+  auto plan = value_of(make_plan(*load_clip(sample("walk")), *g1(), options));
+  const auto sound = value_of(solve(plan));
+  EXPECT_TRUE(sound.solver_failures.empty());
+  EXPECT_EQ(evaluate(sound)->find("solver_failures")->value, 0.0);
 
-  plan->fit.com_weight = 1e200;
-  const auto failed = solve(std::move(*plan));
-  ASSERT_TRUE(failed) << describe(failed.error());
-  ASSERT_EQ(failed->solver_failures.size(), 1U);
-  QualityReport report = evaluate(*failed).value();
+  plan.fit.com_weight = 1e200;
+  const auto failed = value_of(solve(std::move(plan)));
+  ASSERT_EQ(failed.solver_failures.size(), 1U);
+  QualityReport report = evaluate(failed).value();
   EXPECT_EQ(report.find("solver_failures")->value, 1.0);
   EXPECT_FALSE(report.passed());
   report.file = "walk.csv";
@@ -183,8 +163,7 @@ TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
 
 // With noise in the joints, contacts of hands and knees would pull the feet off their anchors.
 TEST(FrontDoor, LowersWeightsOfBodyContactsForNoisySources) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto robot = value_of(g1());
   const Clip clip = load_clip(sample("wave")).value();
   const auto with_noise = [&](double radians) {
     Clip noisy = clip;
@@ -198,44 +177,42 @@ TEST(FrontDoor, LowersWeightsOfBodyContactsForNoisySources) {
     return noisy;
   };
   const Clip noisy = with_noise(0.05);
-  const double usual = make_plan(clip, *robot, Options()).value().fit.body_contact_weight;
+  const double usual = make_plan(clip, robot, Options()).value().fit.body_contact_weight;
   EXPECT_EQ(usual, FitOptions().body_contact_weight);
-  const FitOptions lowered = make_plan(noisy, *robot, Options()).value().fit;
+  const FitOptions lowered = make_plan(noisy, robot, Options()).value().fit;
   EXPECT_LT(lowered.body_contact_weight, 0.8 * usual);
   EXPECT_GT(lowered.body_contact_weight, 0.6 * usual);
   EXPECT_EQ(lowered.contact_weight, FitOptions().contact_weight);
   // Less noise lowers them less.
   const double slightly =
-      make_plan(with_noise(0.03), *robot, Options()).value().fit.body_contact_weight;
+      make_plan(with_noise(0.03), robot, Options()).value().fit.body_contact_weight;
   EXPECT_LT(slightly, 0.95 * usual);
   EXPECT_GT(slightly, 1.05 * lowered.body_contact_weight);
   Options unchanged;
   unchanged.human.clean = CleanRule::kOff;
-  EXPECT_EQ(make_plan(noisy, *robot, unchanged).value().fit.body_contact_weight, usual);
+  EXPECT_EQ(make_plan(noisy, robot, unchanged).value().fit.body_contact_weight, usual);
 }
 
 TEST(FrontDoor, DoubtsAPathThatContradictsTheFeet) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto robot = value_of(g1());
   const Clip clip = load_clip(sample("walk")).value();
-  EXPECT_TRUE(make_plan(clip, *robot, Options()).value().doubts().empty());
+  EXPECT_TRUE(make_plan(clip, robot, Options()).value().doubts().empty());
   Clip mirrored = clip;
   for (int frame = 0; frame < clip.frame_count(); ++frame)
     mirrored.translations(frame)[0].x() *= -1;
-  const auto doubts = make_plan(mirrored, *robot, Options()).value().doubts();
+  const auto doubts = make_plan(mirrored, robot, Options()).value().doubts();
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_THAT(doubts[0].message, HasSubstr("the horizontal path of the root is mirrored"));
 }
 
 TEST(FrontDoor, DoubtsASourceThatJumps) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto robot = value_of(g1());
   Clip clip = load_clip(sample("walk")).value();
   // 80 cm in one frame.
   for (int frame = 150; frame < clip.frame_count(); ++frame) {
     clip.translations(frame)[0].x() += 80.0;
   }
-  const auto doubts = make_plan(clip, *robot, Options()).value().doubts();
+  const auto doubts = make_plan(clip, robot, Options()).value().doubts();
   EXPECT_THAT(doubts,
               testing::Contains(testing::Field(
                   &Warning::message, testing::AllOf(HasSubstr("the hips move at 2"),
@@ -244,14 +221,13 @@ TEST(FrontDoor, DoubtsASourceThatJumps) {
 
 // A file of 60 frames per second with 30 poses per second: every second frame repeats a pose.
 TEST(FrontDoor, RepeatedPosesAreNotJitter) {
-  const auto robot = g1();
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto robot = value_of(g1());
   const Clip clip = load_clip(sample("walk")).value();
   Clip held(clip.shared_skeleton(), FrameRate{60, 1}, 2 * clip.frame_count());
   for (int frame = 0; frame < held.frame_count(); ++frame) {
     copy_frame(clip, frame / 2, held, frame);
   }
-  const Plan plan = make_plan(held, *robot, Options()).value();
+  const Plan plan = make_plan(held, robot, Options()).value();
   EXPECT_THAT(plan.summary(), HasSubstr("300 repeated frames interpolated"));
   EXPECT_THAT(plan.summary(), Not(HasSubstr("jitter")));
   EXPECT_THAT(plan.summary(), Not(HasSubstr("root moved")));

@@ -15,6 +15,7 @@
 #include "retarget/load_robot.h"
 #include "retarget/plan.h"
 #include "retarget/retargeting_config.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -26,11 +27,8 @@ RobotSetup arms_of(const std::string& name, const std::string& variant = {}) {
   choice.name = name;
   choice.variant = variant;
   choice.follow = Follow::kArms;
-  auto robot = load_robot(choice, DataFolder{RETARGET_SOURCE_DIR});
-  EXPECT_TRUE(robot) << describe(robot.error());
-  auto setup = set_up_robot(std::move(*robot), Options{});
-  EXPECT_TRUE(setup) << describe(setup.error());
-  return std::move(*setup);
+  auto robot = value_of(load_robot(choice, DataFolder{RETARGET_SOURCE_DIR}));
+  return value_of(set_up_robot(std::move(robot), Options{}));
 }
 
 std::size_t free_joints(const RobotSetup& setup) {
@@ -107,9 +105,8 @@ RobotChoice g1_with(Follow follow) {
 }
 
 std::string fault_of(const Options& options, Follow follow = Follow::kAll) {
-  auto robot = load_robot(g1_with(follow), DataFolder{RETARGET_SOURCE_DIR});
-  EXPECT_TRUE(robot) << describe(robot.error());
-  const auto setup = set_up_robot(std::move(*robot), options);
+  auto robot = value_of(load_robot(g1_with(follow), DataFolder{RETARGET_SOURCE_DIR}));
+  const auto setup = set_up_robot(std::move(robot), options);
   return setup ? std::string() : setup.error().message;
 }
 

@@ -19,12 +19,11 @@ TEST(TimePlanner, UnchangedPartsLieOutsideOfSlowedOnes) {
   int step = 0;
   while (planner.source_time(step) < 1.52) ++step;
   ASSERT_TRUE(planner.take({{step, StepNeed::kTorque, 1.0, 1.5, "joint torque"}}));
-  const auto slowed = planner.decision();
-  ASSERT_TRUE(slowed);
-  ASSERT_EQ(slowed->stretches.size(), 1U);
-  EXPECT_LT(slowed->stretches[0].begin, 1.4);
-  EXPECT_GT(slowed->stretches[0].end, 1.6);
-  EXPECT_TRUE(slowed->left.empty());
+  const auto slowed = planner.decision().value();
+  ASSERT_EQ(slowed.stretches.size(), 1U);
+  EXPECT_LT(slowed.stretches[0].begin, 1.4);
+  EXPECT_GT(slowed.stretches[0].end, 1.6);
+  EXPECT_TRUE(slowed.left.empty());
 }
 
 // Without the joint, the same place has its usual time again.
@@ -35,11 +34,10 @@ TEST(TimePlanner, PartsWithoutEffectAreUnchanged) {
   while (planner.source_time(step) < 1.52) ++step;
   ASSERT_TRUE(planner.take({{step, StepNeed::kTorque, 1.0, 1.5, "joint torque"}}));
   planner.restore(1.4, 1.7);
-  const auto slowed = planner.decision();
-  ASSERT_TRUE(slowed);
-  EXPECT_TRUE(slowed->stretches.empty());
-  ASSERT_EQ(slowed->left.size(), 1U);
-  EXPECT_NEAR(slowed->left[0].begin, 1.5, 0.11);
+  const auto slowed = planner.decision().value();
+  EXPECT_TRUE(slowed.stretches.empty());
+  ASSERT_EQ(slowed.left.size(), 1U);
+  EXPECT_NEAR(slowed.left[0].begin, 1.5, 0.11);
 }
 
 }  // namespace

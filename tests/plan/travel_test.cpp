@@ -12,6 +12,7 @@
 #include "retarget/retarget.h"
 #include "support/accelerated.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -152,12 +153,10 @@ TEST(TravelOfMotions, FeetStayPlantedWhileTheFactorChanges) {
 }
 
 TEST(TravelOfMotions, PlanAndSummaryStateTheFactor) {
-  const auto plan = make_plan(clip_at_rate("walk"), loaded_g1(), with_travel("0.8"));
-  ASSERT_TRUE(plan) << describe(plan.error());
-  EXPECT_THAT(plan->summary(), HasSubstr("the path over the ground is scaled by 0.8"));
-  const auto without = make_plan(clip_at_rate("walk"), loaded_g1(), {});
-  ASSERT_TRUE(without);
-  EXPECT_FALSE(without->travel);
+  const auto plan = value_of(make_plan(clip_at_rate("walk"), loaded_g1(), with_travel("0.8")));
+  EXPECT_THAT(plan.summary(), HasSubstr("the path over the ground is scaled by 0.8"));
+  const auto without = value_of(make_plan(clip_at_rate("walk"), loaded_g1(), {}));
+  EXPECT_FALSE(without.travel);
 }
 
 TEST(TravelOfMotions, AFixedBaseDoesNotTravel) {
@@ -165,10 +164,9 @@ TEST(TravelOfMotions, AFixedBaseDoesNotTravel) {
   choice.name = "unitree_g1";
   choice.base = RobotBase::kFixed;
   const LoadedRobot robot = load_robot(choice, {kRepository}).value();
-  const auto plan = make_plan(clip_at_rate("wave"), robot, with_travel("0.8"));
-  ASSERT_TRUE(plan) << describe(plan.error());
-  EXPECT_FALSE(plan->travel);
-  EXPECT_THAT(plan->summary(), HasSubstr("the base is fixed: no path to scale"));
+  const auto plan = value_of(make_plan(clip_at_rate("wave"), robot, with_travel("0.8")));
+  EXPECT_FALSE(plan.travel);
+  EXPECT_THAT(plan.summary(), HasSubstr("the base is fixed: no path to scale"));
 }
 
 TEST(TravelOfMotions, InvalidFactorsAreUsageErrors) {
@@ -216,9 +214,8 @@ TEST(Dynamics, AreOffInScenesAndForRobotMotionsUnlessGiven) {
     Options options;
     if (!of_robot) options.solve.terrain = "stairs:0.1x0.3";
     const auto has_dynamics = [&] {
-      const auto setup = set_up_robot(loaded_g1(), options);
-      EXPECT_TRUE(setup);
-      return (of_robot ? setup->fit_of_robots : setup->fit).dynamics;
+      const auto setup = value_of(set_up_robot(loaded_g1(), options));
+      return (of_robot ? setup.fit_of_robots : setup.fit).dynamics;
     };
     EXPECT_FALSE(has_dynamics());
     options.solve.fit_given = {"dynamics"};
@@ -253,9 +250,8 @@ TEST(Preset, GivenOptionsTakePrecedence) {
 
   options = for_tracking();
   options.solve.travel = "1";
-  const auto plan = make_plan(clip_at_rate("walk", 90.0), loaded_g1(), options);
-  ASSERT_TRUE(plan);
-  EXPECT_EQ(plan->travel->least, 1.0);
+  const auto plan = value_of(make_plan(clip_at_rate("walk", 90.0), loaded_g1(), options));
+  EXPECT_EQ(plan.travel->least, 1.0);
 }
 
 TEST(Preset, AnyNumberOfThreadsGivesTheSameBytes) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -25,13 +26,12 @@ TEST(HashTest, MatchesStandardTestVectors) {
 }
 
 TEST(HashTest, IncrementalHashMatchesWhole) {
-  auto hasher = ContentHasher::create();
-  ASSERT_TRUE(hasher.has_value());
-  hasher->update("a");
-  hasher->update("");
-  hasher->update("bc");
-  EXPECT_EQ(hasher->finish().value(), kAbc);
-  EXPECT_FALSE(hasher->finish().has_value());
+  auto hasher = value_of(ContentHasher::create());
+  hasher.update("a");
+  hasher.update("");
+  hasher.update("bc");
+  EXPECT_EQ(hasher.finish().value(), kAbc);
+  EXPECT_FALSE(hasher.finish().has_value());
 }
 
 TEST(HashTest, HashesLargeFiles) {

@@ -7,6 +7,7 @@
 #include "retarget/error.h"
 #include "retarget/file.h"
 #include "retarget/report.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -41,13 +42,12 @@ TEST(Metrics, BelongToGroups) {
 }
 
 TEST(Metrics, DefinitionsMatchTheDocumentation) {
-  const auto page = read_file(std::string(RETARGET_SOURCE_DIR) + "/docs/quality.md");
-  ASSERT_TRUE(page) << describe(page.error());
+  const auto page = value_of(read_file(std::string(RETARGET_SOURCE_DIR) + "/docs/quality.md"));
   for (const Metric& metric : quality_metrics()) {
     std::string row = "| `";
     row.append(metric.key).append("` | ").append(metric.unit).append(" | ");
     row.append(metric.definition).append(" | ").append(metric.source).append(" |");
-    EXPECT_NE(page->view().find(row), std::string_view::npos) << row;
+    EXPECT_NE(page.view().find(row), std::string_view::npos) << row;
   }
 }
 

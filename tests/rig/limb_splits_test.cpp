@@ -25,6 +25,7 @@
 #include "support/angles.h"
 #include "support/built_humanoids.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -213,9 +214,8 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
   const auto& middles = split.middles;
   SCOPED_TRACE((is_leg ? "leg: " : "arm: ") + split.what);
   const auto robot = robot_from_text(built.mjcf());
-  const auto limbs = find_limbs(*robot, "robot.xml");
-  ASSERT_TRUE(limbs) << describe(limbs.error());
-  const auto& pair = is_leg ? limbs->legs : limbs->arms;
+  const auto limbs = value_of(find_limbs(*robot, "robot.xml"));
+  const auto& pair = is_leg ? limbs.legs : limbs.arms;
   const double upper = is_leg ? 0.2 : 0.18, lower = is_leg ? 0.25 : 0.15;
   for (std::size_t side = 0; side < 2; ++side) {
     const std::string name = robot->joints()[pair[side].joints[pair[side].middle]].name;
@@ -223,21 +223,18 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
     EXPECT_NEAR(pair[side].upper_length, upper, 0.035);
     EXPECT_NEAR(pair[side].lower_length, lower, lower_tolerance);
   }
-  for (const TPoseResidual& residual : solve_t_pose(*robot, *limbs).residuals) {
+  for (const TPoseResidual& residual : solve_t_pose(*robot, limbs).residuals) {
     EXPECT_LT(residual.direction * kDegrees, 12.0) << residual.bone;
   }
   DeriveOptions options;
-  options.sole_height = find_shapes(*robot, *limbs, {}).ankle_height;
-  const auto config = resolve_config(derive_config(*robot, *limbs, options), *robot);
-  ASSERT_TRUE(config) << describe(config.error());
-  const auto measured = robot_limbs(*robot, *config);
-  ASSERT_TRUE(measured) << describe(measured.error());
-  if (measured->forearms) {
-    EXPECT_NEAR(is_leg ? measured->lengths.leg : measured->lengths.arm,
-                upper + lower - split.shorter, lower_tolerance);
+  options.sole_height = find_shapes(*robot, limbs, {}).ankle_height;
+  const auto config = value_of(resolve_config(derive_config(*robot, limbs, options), *robot));
+  const auto measured = value_of(robot_limbs(*robot, config));
+  if (measured.forearms) {
+    EXPECT_NEAR(is_leg ? measured.lengths.leg : measured.lengths.arm, upper + lower - split.shorter,
+                lower_tolerance);
   }
-  const auto solved = solve_frames(human_, robot, *config, robot->model_limits(), {});
-  ASSERT_TRUE(solved) << describe(solved.error());
+  const auto solved = value_of(solve_frames(human_, robot, config, robot->model_limits(), {}));
   // The built positions of the limbs, not the detected ones.
   const BuiltLimb& limb = is_leg ? built.leg : built.arm;
   const Vector3d root = is_leg ? Vector3d(0, 0.1, 0.95) : Vector3d(0, 0.15, 1.4);
@@ -261,8 +258,8 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
     known.joints.back() = *last;
     const TrueLimb points = true_limb(*robot, known, side, root, middle, end, before->name);
     std::vector<Pose> world_from_body(robot->bodies().size());
-    for (int frame = 0; frame < solved->clip.frame_count(); ++frame) {
-      forward_kinematics(*robot, solved->clip.qpos(frame), world_from_body);
+    for (int frame = 0; frame < solved.clip.frame_count(); ++frame) {
+      forward_kinematics(*robot, solved.clip.qpos(frame), world_from_body);
       const auto at = [&](const Marker& marker) -> Vector3d {
         return world_from_body[static_cast<std::size_t>(marker.body)] * marker.place;
       };
@@ -280,7 +277,7 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
       const double shin = angle(
           at(points.end) - at(points.middle),
           is_leg ? Vector3d(bone(kFoot) - bone(kLeg)) : Vector3d(bone(kHand) - bone(kForeArm)));
-      mean += 0.25 * (thigh + shin) / solved->clip.frame_count();
+      mean += 0.25 * (thigh + shin) / solved.clip.frame_count();
     }
   }
   EXPECT_LT(mean, 3.0);

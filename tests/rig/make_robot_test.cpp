@@ -9,6 +9,8 @@
 #include "retarget/motion_io.h"
 #include "solve/robot_setup/check_robot.h"
 #include "support/humanoids.h"
+#include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -58,36 +60,30 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
           "<body name=\"torso\" pos=\"0 0 0.05\" quat=\"0.9999 0.001 0.002 0.003\">");
   replace(text, "<joint name=\"waist\"", "<joint ref=\"0.1\" name=\"waist\"");
   const std::string model = folder.write("any.xml", text);
-  const auto made = make_robot(model, "mine");
-  ASSERT_TRUE(made) << describe(made.error());
-  const auto written = save_robot(*made, folder.path(), false);
-  ASSERT_TRUE(written) << describe(written.error());
+  const auto made = value_of(make_robot(model, "mine"));
+  const auto written = value_of(save_robot(made, folder.path(), false));
 
-  const auto original = load_robot_files(model);
-  const auto robot =
-      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
-  ASSERT_TRUE(original);
-  ASSERT_TRUE(robot) << describe(robot.error());
+  const auto original = value_of(load_robot_files(model));
+  const auto robot = load_robot_in(written);
   // A frame body holds the joint with the anchor.
-  std::vector<std::string> names = (*robot)->body_names();
-  EXPECT_THAT((*robot)->profile().joint_frames, ::testing::ElementsAre("left_knee_frame"));
+  std::vector<std::string> names = robot->body_names();
+  EXPECT_THAT(robot->profile().joint_frames, ::testing::ElementsAre("left_knee_frame"));
   std::erase(names, "left_knee_frame");
-  ASSERT_EQ(names, (*original)->body_names());
-  ASSERT_EQ((*robot)->joint_names(), (*original)->joint_names());
-  EXPECT_EQ((*robot)->model_limits().lower, (*original)->model_limits().lower);
-  EXPECT_EQ((*robot)->model_limits().upper, (*original)->model_limits().upper);
-  std::vector<double> qpos = (*original)->zero_configuration();
-  EXPECT_EQ((*robot)->zero_configuration(), qpos);
+  ASSERT_EQ(names, original->body_names());
+  ASSERT_EQ(robot->joint_names(), original->joint_names());
+  EXPECT_EQ(robot->model_limits().lower, original->model_limits().lower);
+  EXPECT_EQ(robot->model_limits().upper, original->model_limits().upper);
+  std::vector<double> qpos = original->zero_configuration();
+  EXPECT_EQ(robot->zero_configuration(), qpos);
   for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.1 * static_cast<double>(i % 5) - 0.2;
-  expect_same_poses(**original, **robot, qpos);
+  expect_same_poses(*original, *robot, qpos);
 
-  const auto config = load_retargeting_config((*written / "ik.json").string());
-  ASSERT_TRUE(config) << describe(config.error());
-  EXPECT_TRUE(resolve_config(*config, **robot));
-  for (const RobotFinding& finding : check_robot(**robot, &*config)) {
+  const auto config = value_of(load_retargeting_config((written / "ik.json").string()));
+  EXPECT_TRUE(resolve_config(config, *robot));
+  for (const RobotFinding& finding : check_robot(*robot, &config)) {
     EXPECT_FALSE(finding.fault) << finding.text;
   }
-  EXPECT_TRUE(fs::is_regular_file(*written / "decisions.md"));
+  EXPECT_TRUE(fs::is_regular_file(written / "decisions.md"));
 }
 
 TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
@@ -103,14 +99,10 @@ TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
                 side + "_ankle_roll\"");
   }
   const std::string model = folder.write("any.xml", text);
-  const auto made = make_robot(model, "mine");
-  ASSERT_TRUE(made) << describe(made.error());
-  const auto written = save_robot(*made, folder.path(), false);
-  ASSERT_TRUE(written);
+  const auto made = value_of(make_robot(model, "mine"));
+  const auto written = value_of(save_robot(made, folder.path(), false));
   const auto original = load_robot_files(model).value();
-  const auto robot =
-      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string())
-          .value();
+  const auto robot = load_robot_in(written);
   EXPECT_EQ(robot->joint_names(), original->joint_names());
   EXPECT_THAT(robot->warnings(), ::testing::IsEmpty());
   EXPECT_EQ(robot->model_limits().lower, original->model_limits().lower);
@@ -134,14 +126,10 @@ TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
 
 TEST(MakeRobot, FindsSolesOfABoxFoot) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
-  ASSERT_TRUE(made);
-  const auto written = save_robot(*made, folder.path(), false);
-  ASSERT_TRUE(written);
-  const auto robot =
-      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
-  ASSERT_TRUE(robot);
-  const std::vector<Sole>& soles = (*robot)->profile().soles;
+  const auto made = value_of(make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine"));
+  const auto written = value_of(save_robot(made, folder.path(), false));
+  const auto robot = load_robot_in(written);
+  const std::vector<Sole>& soles = robot->profile().soles;
   ASSERT_EQ(soles.size(), 2U);
   // The lower corners of the box: heel left, heel right, toe left, toe right.
   const std::vector<Eigen::Vector3d> corners = {
@@ -156,23 +144,22 @@ TEST(MakeRobot, FindsSolesOfABoxFoot) {
 
 TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
-  ASSERT_TRUE(made);
-  ASSERT_TRUE(save_robot(*made, folder.path(), false));
+  const auto made = value_of(make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine"));
+  ASSERT_TRUE(save_robot(made, folder.path(), false));
   std::ofstream(folder.path() / "mine" / "own.txt") << "kept";
-  const auto again = save_robot(*made, folder.path(), false);
+  const auto again = save_robot(made, folder.path(), false);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().kind, ErrorKind::kUsage);
   EXPECT_TRUE(fs::exists(folder.path() / "mine" / "own.txt"));
-  ASSERT_TRUE(save_robot(*made, folder.path(), true));
+  ASSERT_TRUE(save_robot(made, folder.path(), true));
   EXPECT_FALSE(fs::exists(folder.path() / "mine" / "own.txt"));
   // No other files remain.
   int entries = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
   EXPECT_EQ(entries, 2);
   // The folder is created, but not its parent.
-  EXPECT_TRUE(save_robot(*made, folder.path() / "missing", false));
-  EXPECT_FALSE(save_robot(*made, folder.path() / "none" / "missing", false));
+  EXPECT_TRUE(save_robot(made, folder.path() / "missing", false));
+  EXPECT_FALSE(save_robot(made, folder.path() / "none" / "missing", false));
 }
 
 TEST(MakeRobot, RejectsNamesThatAreNotUtf8) {
@@ -189,11 +176,10 @@ TEST(MakeRobot, RejectsNamesThatAreNotUtf8) {
 
 TEST(MakeRobot, ReplacesOnlyRobotFolders) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
-  ASSERT_TRUE(made);
+  const auto made = value_of(make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine"));
   const fs::path place = folder.path() / "mine";
   const auto is_kept = [&](const char* what) {
-    const auto saved = save_robot(*made, folder.path(), true);
+    const auto saved = save_robot(made, folder.path(), true);
     ASSERT_FALSE(saved) << what;
     EXPECT_EQ(saved.error().kind, ErrorKind::kUsage) << what;
     EXPECT_NE(saved.error().message.find("robots add did not create it"), std::string::npos);
@@ -212,7 +198,7 @@ TEST(MakeRobot, ReplacesOnlyRobotFolders) {
   is_kept("a file");
   fs::remove(place);
   // A robot with another name, and one behind a link.
-  MadeRobot other = *made;
+  MadeRobot other = made;
   other.name = "other";
   ASSERT_TRUE(save_robot(other, folder.path(), false));
   fs::rename(folder.path() / "other", folder.path() / "kept");
@@ -223,17 +209,16 @@ TEST(MakeRobot, ReplacesOnlyRobotFolders) {
 
 TEST(MakeRobot, KeepsForeignFoldersWithTemporaryNames) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
-  ASSERT_TRUE(made);
+  const auto made = value_of(make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine"));
   for (const char* name : {".mine.new", ".mine.old"}) {
     fs::create_directory(folder.path() / name);
     folder.write(std::string(name) + "/precious.txt", "kept");
   }
-  ASSERT_TRUE(save_robot(*made, folder.path(), true));
-  ASSERT_TRUE(save_robot(*made, folder.path(), true));
+  ASSERT_TRUE(save_robot(made, folder.path(), true));
+  ASSERT_TRUE(save_robot(made, folder.path(), true));
   EXPECT_TRUE(fs::exists(folder.path() / ".mine.new" / "precious.txt"));
   EXPECT_TRUE(fs::exists(folder.path() / ".mine.old" / "precious.txt"));
-  MadeRobot up = *made;
+  MadeRobot up = made;
   for (const char* name : {"..", ".", "", "a/b", "../mine"}) {
     up.name = name;
     EXPECT_FALSE(save_robot(up, folder.path() / ".mine.old", true)) << name;
@@ -244,10 +229,9 @@ TEST(MakeRobot, AddsAMissingFreeJoint) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   replace(text, "<freejoint/>", "");
-  const auto made = make_robot(folder.write("fixed.xml", text), "mine");
-  ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_THAT(made->notes, Contains(HasSubstr("\"pelvis\" was given one")));
-  EXPECT_THAT(made->model, HasSubstr("<freejoint"));
+  const auto made = value_of(make_robot(folder.write("fixed.xml", text), "mine"));
+  EXPECT_THAT(made.notes, Contains(HasSubstr("\"pelvis\" was given one")));
+  EXPECT_THAT(made.model, HasSubstr("<freejoint"));
 }
 
 // The tiny humanoid as a URDF whose meshes belong to a missing package.
@@ -302,11 +286,9 @@ TEST(MakeRobot, VisualsOfAUrdfMayHaveSeveralMaterials) {
   const std::string several =
       one + "<!-- <material> --><material name=\"\">\n<color rgba=\"1 0 0 1\"/>\n</material>" + one;
   const TemporaryFolder folder;
-  const auto expected = make_robot(folder.write("one.urdf", with(one)), "tiny");
-  const auto made = make_robot(folder.write("several.urdf", with(several)), "tiny");
-  ASSERT_TRUE(expected) << describe(expected.error());
-  ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_EQ(made->model, expected->model);
+  const auto expected = value_of(make_robot(folder.write("one.urdf", with(one)), "tiny"));
+  const auto made = value_of(make_robot(folder.write("several.urdf", with(several)), "tiny"));
+  EXPECT_EQ(made.model, expected.model);
   // Errors have the line of the file.
   const auto broken =
       make_robot(folder.write("broken.urdf", with(several, "<inertial/><inertial/>")), "tiny");
@@ -316,21 +298,17 @@ TEST(MakeRobot, VisualsOfAUrdfMayHaveSeveralMaterials) {
 
 TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny");
-  ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_THAT(made->notes, Contains(HasSubstr("\"base\" was given one")));
-  const auto written = save_robot(*made, folder.path(), false);
-  ASSERT_TRUE(written);
-  const auto robot =
-      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
-  ASSERT_TRUE(robot) << describe(robot.error());
-  EXPECT_EQ((*robot)->joints().size(), 14U);
-  for (std::size_t j = 0; j < (*robot)->joints().size(); ++j) {
-    EXPECT_EQ((*robot)->speed_limit(static_cast<int>(j)), 7.5);
+  const auto made = value_of(make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny"));
+  EXPECT_THAT(made.notes, Contains(HasSubstr("\"base\" was given one")));
+  const auto written = value_of(save_robot(made, folder.path(), false));
+  const auto robot = load_robot_in(written);
+  EXPECT_EQ(robot->joints().size(), 14U);
+  for (std::size_t j = 0; j < robot->joints().size(); ++j) {
+    EXPECT_EQ(robot->speed_limit(static_cast<int>(j)), 7.5);
   }
   // The fixed hand is a separate body, the trunk one body.
-  EXPECT_TRUE((*robot)->find_body("l_hand"));
-  EXPECT_THAT(made->config, HasSubstr("\"l_hand\": [\"LeftHand\""));
+  EXPECT_TRUE(robot->find_body("l_hand"));
+  EXPECT_THAT(made.config, HasSubstr("\"l_hand\": [\"LeftHand\""));
 }
 
 // Links without mass above the base do not become the root.
@@ -356,9 +334,8 @@ TEST(MakeRobot, TheBaseOfAUrdfIsItsFirstLinkWithMass) {
   EXPECT_EQ(made->model, plain->model);
   EXPECT_EQ(made->config, plain->config);
   // A link that tilts the base gives the robot its upright pose.
-  const auto tilted = make_robot(folder.write("tilted.urdf", below("0.1 0 0")), "tiny");
-  ASSERT_TRUE(tilted) << describe(tilted.error());
-  EXPECT_THAT(tilted->notes, Contains(HasSubstr("\"base_link\" was given one")));
+  const auto tilted = value_of(make_robot(folder.write("tilted.urdf", below("0.1 0 0")), "tiny"));
+  EXPECT_THAT(tilted.notes, Contains(HasSubstr("\"base_link\" was given one")));
 }
 
 TEST(MakeRobot, SuspectsSpeedsInDegrees) {
@@ -368,9 +345,8 @@ TEST(MakeRobot, SuspectsSpeedsInDegrees) {
     text.replace(at, speed.size(), "velocity=\"430\"");
   }
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("tiny.urdf", text), "tiny");
-  ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_THAT(made->notes, Contains(HasSubstr("looks like degrees per second")));
+  const auto made = value_of(make_robot(folder.write("tiny.urdf", text), "tiny"));
+  EXPECT_THAT(made.notes, Contains(HasSubstr("looks like degrees per second")));
 }
 
 TEST(MakeRobot, NotesSolesAtDifferentHeights) {
@@ -415,10 +391,9 @@ TEST(CheckRobot, ZeroPoseMayBeTheTPose) {
 
 TEST(CheckRobot, ReportsErrorsAndWarnings) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
-  ASSERT_TRUE(made);
+  const auto made = value_of(make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine"));
   const auto robot = robot_from_text(tiny_humanoid(true));
-  auto config = parse_retargeting_config(made->config, "ik.json").value();
+  auto config = parse_retargeting_config(made.config, "ik.json").value();
   const auto texts = [&](bool faults) {
     std::vector<std::string> found;
     for (const RobotFinding& finding : check_robot(*robot, &config)) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "rig/finding_texts.h"
 #include "support/built_humanoids.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -45,9 +45,7 @@ class ModelFaults : public ::testing::Test {
     return made.error().message + "; " + made.error().hint;
   }
   std::vector<std::string> notes(const std::string& text, const std::string& file = "robot.xml") {
-    const auto made = make_robot(write(text, file), "robot");
-    EXPECT_TRUE(made) << describe(made.error());
-    return made ? made->notes : std::vector<std::string>();
+    return value_of(make_robot(write(text, file), "robot")).notes;
   }
   std::vector<std::string> findings(const std::string& text, bool faults) {
     RobotSources sources;
@@ -132,13 +130,11 @@ TEST_F(ModelFaults, LockJointsWhoseRangeIsASinglePosition) {
                            }).mjcf();
   expect_noted(text, "the range of these joints is a single position: \"waist\"");
   EXPECT_THAT(notes(text), Not(Contains(HasSubstr("unlimited"))));
-  const auto made = make_robot(write(text), "robot");
-  ASSERT_TRUE(made);
-  const auto robot = load_robot_files(folder_.write("made.xml", made->model));
-  ASSERT_TRUE(robot) << describe(robot.error());
-  const auto joint = static_cast<std::size_t>((*robot)->find_joint("waist").value());
-  EXPECT_EQ((*robot)->model_limits().lower[joint], 0.1);
-  EXPECT_EQ((*robot)->model_limits().upper[joint], 0.1);
+  const auto made = value_of(make_robot(write(text), "robot"));
+  const auto robot = value_of(load_robot_files(folder_.write("made.xml", made.model)));
+  const auto joint = static_cast<std::size_t>(robot->find_joint("waist").value());
+  EXPECT_EQ(robot->model_limits().lower[joint], 0.1);
+  EXPECT_EQ(robot->model_limits().upper[joint], 0.1);
 }
 
 TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
@@ -311,9 +307,8 @@ TEST_F(ModelFaults, SlidingRootsBecomeFreeJoints) {
                            "<joint name=\"rooty\" axis=\"0 1 0\"/>";
                      }).mjcf();
   expect_noted(text, "the root moved by \"rootx\", \"rootz\", \"rooty\": a free joint");
-  const auto made = make_robot(write(text), "robot");
-  ASSERT_TRUE(made);
-  EXPECT_EQ(made->model.find("rootx"), std::string::npos);
+  const auto made = value_of(make_robot(write(text), "robot"));
+  EXPECT_EQ(made.model.find("rootx"), std::string::npos);
   // A free joint in parts, without names.
   text = changed([](BuiltHumanoid& built) {
            built.root =
@@ -348,11 +343,10 @@ TEST_F(ModelFaults, ReportLeaningAndObliqueTrunks) {
 
 // The H1's joint axes pair its limbs partly when it stands along y.
 TEST_F(ModelFaults, ReportOtherUprightAxes) {
-  const auto model = read_file(std::string(RETARGET_SOURCE_DIR) + "/robots/unitree_h1/model.xml",
-                               ErrorKind::kConfig);
-  ASSERT_TRUE(model);
+  const auto model = value_of(read_file(
+      std::string(RETARGET_SOURCE_DIR) + "/robots/unitree_h1/model.xml", ErrorKind::kConfig));
   for (const char* turn : {"-0.70710678 0 0", "0.70710678 0 0", "0 0.70710678 0"}) {
-    std::string text(model->view());
+    std::string text(model.view());
     replace_all(text, "<body name=\"pelvis\" pos=\"0 0 1.1\">",
                 fmt::format("<body name=\"pelvis\" quat=\"0.70710678 {}\">", turn));
     expect_refused(text, "does not stand upright along z");

@@ -10,6 +10,7 @@
 #include "retarget/rig.h"
 #include "support/built_humanoids.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -25,20 +26,17 @@ class ModelRepairs : public ::testing::Test {
   // The model becomes the same robot as another one.
   void expect_same(const std::string& text, const std::string& plain, const std::string& note,
                    const std::string& file = "robot.xml") {
-    const auto expected = make(plain, "plain_" + file);
-    const auto made = make(text, file);
-    ASSERT_TRUE(expected) << describe(expected.error());
-    ASSERT_TRUE(made) << describe(made.error());
-    EXPECT_EQ(made->model, expected->model);
-    EXPECT_EQ(made->config, expected->config);
-    EXPECT_THAT(made->notes, Contains(HasSubstr(note)));
-    EXPECT_THAT(made->decisions, HasSubstr(note));
+    const auto expected = value_of(make(plain, "plain_" + file));
+    const auto made = value_of(make(text, file));
+    EXPECT_EQ(made.model, expected.model);
+    EXPECT_EQ(made.config, expected.config);
+    EXPECT_THAT(made.notes, Contains(HasSubstr(note)));
+    EXPECT_THAT(made.decisions, HasSubstr(note));
     RobotSources sources;
     sources.model = folder_.write(file, text);
-    const auto found = check_robot(sources);
-    ASSERT_TRUE(found) << describe(found.error());
+    const auto found = value_of(check_robot(sources));
     std::vector<std::string> notes;
-    for (const RobotFinding& finding : *found) {
+    for (const RobotFinding& finding : found) {
       EXPECT_FALSE(finding.fault) << finding.text;
       notes.push_back(finding.text);
     }
@@ -189,10 +187,9 @@ TEST_F(ModelRepairs, OmitLinksThatRepresentTheWorld) {
   }
   // MuJoCo knows the world by its name, and a dummy that is fixed needs no repair.
   for (const std::string type : {"floating", "fixed"}) {
-    const auto made =
-        make(urdf("<link name=\"world\"/>" + world_joint(type, "world", "pelvis")), "robot.urdf");
-    ASSERT_TRUE(made) << describe(made.error());
-    EXPECT_EQ(made->model, make(urdf(), "plain.urdf")->model) << type;
+    const auto made = value_of(
+        make(urdf("<link name=\"world\"/>" + world_joint(type, "world", "pelvis")), "robot.urdf"));
+    EXPECT_EQ(made.model, make(urdf(), "plain.urdf")->model) << type;
   }
   const auto fixed =
       make(urdf("<link name=\"dummy\"/>" + world_joint("fixed", "dummy", "pelvis")), "robot.urdf");

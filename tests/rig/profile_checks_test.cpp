@@ -15,6 +15,7 @@
 #include "rig/finding_texts.h"
 #include "support/humanoids.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -35,12 +36,11 @@ using Change = std::function<void(Profile&)>;
 class ProfileChecksTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto made = make_robot(folder_.write("any.xml", tiny_humanoid(true)), "mine");
-    ASSERT_TRUE(made) << describe(made.error());
+    const auto made = value_of(make_robot(folder_.write("any.xml", tiny_humanoid(true)), "mine"));
     std::filesystem::create_directory(folder_.path() / "mine");
-    folder_.write("mine/model.xml", made->model);
-    config_ = folder_.write("mine/ik.json", made->config);
-    profile_ = made->profile;
+    folder_.write("mine/model.xml", made.model);
+    config_ = folder_.write("mine/ik.json", made.config);
+    profile_ = made.profile;
     write(profile_);
   }
 
@@ -63,10 +63,8 @@ class ProfileChecksTest : public ::testing::Test {
   }
   std::vector<std::string> warnings() {
     std::vector<std::string> texts;
-    const auto robot = loaded();
-    EXPECT_TRUE(robot) << describe(robot.error());
-    if (!robot) return texts;
-    for (const Warning& warning : robot->warnings) texts.push_back(warning.message);
+    const auto robot = value_of(loaded());
+    for (const Warning& warning : robot.warnings) texts.push_back(warning.message);
     return texts;
   }
   void expect_misplaced(const Change& change, const std::string& what) {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -25,6 +24,7 @@
 #include "support/layout_humanoids.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -95,21 +95,16 @@ LimbAngles limb_angles(const Robot& robot, const RobotClip& clip, const HumanCli
 // The maximum over the samples, for a robot made as by `robots add`.
 LimbAngles angles_of(const LayoutHumanoid& layout) {
   const TemporaryFolder folder;
-  const auto made = make_robot(folder.write("any.xml", layout.built.mjcf()), layout.name);
-  EXPECT_TRUE(made) << describe(made.error());
-  if (!made) return {180.0, 180.0};
-  const auto written = save_robot(*made, folder.path(), false).value();
-  const auto robot =
-      load_robot_files((written / "model.xml").string(), (written / "robot.json").string()).value();
+  const auto made = value_of(make_robot(folder.write("any.xml", layout.built.mjcf()), layout.name));
+  const auto written = save_robot(made, folder.path(), false).value();
+  const auto robot = load_robot_in(written);
   const auto config = load_retargeting_config((written / "ik.json").string()).value();
   LimbAngles angles;
   for (const std::string name : {"walk", "wave", "squat", "turn_in_place", "get_up"}) {
     const HumanClip human = sample(name);
-    const auto solved =
-        solve_frames(human, robot, resolve_config(config, *robot).value(), robot->model_limits());
-    EXPECT_TRUE(solved) << describe(solved.error());
-    if (!solved) return {180.0, 180.0};
-    const LimbAngles found = limb_angles(*robot, solved->clip, human, layout);
+    const auto solved = value_of(
+        solve_frames(human, robot, resolve_config(config, *robot).value(), robot->model_limits()));
+    const LimbAngles found = limb_angles(*robot, solved.clip, human, layout);
     std::cout << layout.name << ", " << name << ": limbs " << found.mean << " degrees off, worst "
               << found.worst << "\n";
     angles.mean = std::max(angles.mean, found.mean);
@@ -178,16 +173,15 @@ TEST(RobotLayouts, DoesNotMistakeToesWithAnyHingeOrderForFeet) {
     for (const bool toe_ends : {false, true}) {
       SCOPED_TRACE(order + (toe_ends ? ", with ends" : ""));
       const auto robot = robot_from_text(smpl_layout(order, toe_ends).built.mjcf());
-      const auto limbs = find_limbs(*robot, "any.xml");
-      ASSERT_TRUE(limbs) << describe(limbs.error());
-      EXPECT_THAT(limbs->notes, Contains(HasSubstr("\"left_toe_" + order.substr(0, 1) +
-                                                   "\" is assumed to be a toe")));
+      const auto limbs = value_of(find_limbs(*robot, "any.xml"));
+      EXPECT_THAT(limbs.notes, Contains(HasSubstr("\"left_toe_" + order.substr(0, 1) +
+                                                  "\" is assumed to be a toe")));
       for (const std::size_t side : {0U, 1U}) {
         const std::string ankle = std::string(side == 0 ? "left" : "right") + "_ankle_" + order[2];
-        EXPECT_EQ(robot->bodies()[limbs->legs[side].end->body].name, ankle);
-        EXPECT_NEAR(limbs->legs[side].lower_length, 0.402, 0.01);
+        EXPECT_EQ(robot->bodies()[limbs.legs[side].end->body].name, ankle);
+        EXPECT_NEAR(limbs.legs[side].lower_length, 0.402, 0.01);
       }
-      for (const auto* pair : {&limbs->legs, &limbs->arms}) {
+      for (const auto* pair : {&limbs.legs, &limbs.arms}) {
         EXPECT_EQ((*pair)[0].middle, (*pair)[1].middle);
         EXPECT_EQ((*pair)[0].joints.size(), (*pair)[1].joints.size());
       }

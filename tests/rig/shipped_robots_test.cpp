@@ -20,6 +20,7 @@
 #include "solve/targets/solve_frames.h"
 #include "support/angles.h"
 #include "support/shared_data.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -53,11 +54,9 @@ HumanClip walking(const fs::path& file) {
 
 double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>& robot,
                      const RobotAnatomy& limbs, const RetargetingConfig& config) {
-  const auto result =
-      solve_frames(human, robot, resolve_config(config, *robot).value(), robot->model_limits(), {});
-  EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error()));
-  if (!result) return 180.0;
-  const auto errors = limb_errors(human, result->clip, limbs);
+  const auto result = value_of(solve_frames(human, robot, resolve_config(config, *robot).value(),
+                                            robot->model_limits(), {}));
+  const auto errors = limb_errors(human, result.clip, limbs);
   for (const LimbError& error : errors) {
     // Swapped sides, a mirrored or a lying robot.
     EXPECT_LT(error.mean * kDegrees, 60.0) << robot->name() << ": " << error.segment;
@@ -75,13 +74,11 @@ void expect_derived_no_worse(const HumanClip& human) {
   for (const std::string name :
        {"unitree_g1", "booster_t1_29dof", "fourier_n1", "stanford_toddy", "engineai_pm01"}) {
     const auto robot = shipped(name);
-    const auto limbs = find_limbs(*robot, name);
-    ASSERT_TRUE(limbs) << describe(limbs.error());
+    const auto limbs = value_of(find_limbs(*robot, name));
     const fs::path config = source_folder() / "configs" / ("lafan1_to_" + name + ".json");
-    const auto published = load_retargeting_config(config.string());
-    ASSERT_TRUE(published) << describe(published.error());
-    const double theirs = error_degrees(human, robot, *limbs, *published);
-    const double ours = error_degrees(human, robot, *limbs, derived(*robot, *limbs));
+    const auto published = value_of(load_retargeting_config(config.string()));
+    const double theirs = error_degrees(human, robot, limbs, published);
+    const double ours = error_degrees(human, robot, limbs, derived(*robot, limbs));
     std::cout << name << ": limbs " << theirs << " degrees off with the published configuration, "
               << ours << " with the derived one\n";
     EXPECT_LT(ours, theirs + 0.5) << name;
@@ -104,9 +101,8 @@ TEST(DerivedConfig, LimbsFollowFromTheZeroConfiguration) {
   const HumanClip walk = walking(source_folder() / "data" / "walk.bvh");
   for (const std::string name : {"unitree_g1", "booster_t1_29dof", "fourier_n1"}) {
     const auto robot = shipped(name);
-    const auto limbs = find_limbs(*robot, name);
-    ASSERT_TRUE(limbs) << describe(limbs.error());
-    const RetargetingConfig config = derived(*robot, *limbs);
+    const auto limbs = value_of(find_limbs(*robot, name));
+    const RetargetingConfig config = derived(*robot, limbs);
     for (int heading = 0; heading < 360; heading += 30) {
       HumanClip turned = walk;
       const Pose turn{
@@ -115,7 +111,7 @@ TEST(DerivedConfig, LimbsFollowFromTheZeroConfiguration) {
       for (HumanPose& frame : turned.world_from_bone) {
         for (Pose& world_from_bone : frame) world_from_bone = turn * world_from_bone;
       }
-      EXPECT_LT(error_degrees(turned, robot, *limbs, config), 5.0) << name << ", " << heading;
+      EXPECT_LT(error_degrees(turned, robot, limbs, config), 5.0) << name << ", " << heading;
     }
   }
 }
@@ -129,14 +125,12 @@ TEST(DerivedConfig, MatchesPublishedOffsets) {
                                                    {"engineai_pm01", 12.0}};
   for (const auto& [name, degrees] : tolerance) {
     const auto robot = shipped(name);
-    const auto limbs = find_limbs(*robot, name);
-    ASSERT_TRUE(limbs);
-    const RetargetingConfig ours = derived(*robot, *limbs);
-    const auto published = load_retargeting_config(
-        (source_folder() / "configs" / ("lafan1_to_" + name + ".json")).string());
-    ASSERT_TRUE(published);
+    const auto limbs = value_of(find_limbs(*robot, name));
+    const RetargetingConfig ours = derived(*robot, limbs);
+    const auto published = value_of(load_retargeting_config(
+        (source_folder() / "configs" / ("lafan1_to_" + name + ".json")).string()));
     int compared = 0;
-    for (const IkMatch& theirs : published->match_tables[0].rows) {
+    for (const IkMatch& theirs : published.match_tables[0].rows) {
       for (const IkMatch& row : ours.match_tables[0].rows) {
         if (row.body != theirs.body || row.bone != theirs.bone) continue;
         ++compared;
@@ -154,11 +148,9 @@ TEST(ShippedRobots, WalkWithTheirOwnMappings) {
   for (const std::string& name : list_robots({source_folder() / "robots"})) {
     const fs::path file = mapping_of(name);
     const auto robot = shipped(name);
-    const auto limbs = find_limbs(*robot, name);
-    ASSERT_TRUE(limbs) << describe(limbs.error());
-    const auto config = load_retargeting_config(file.string());
-    ASSERT_TRUE(config) << describe(config.error());
-    const double error = error_degrees(human, robot, *limbs, *config);
+    const auto limbs = value_of(find_limbs(*robot, name));
+    const auto config = value_of(load_retargeting_config(file.string()));
+    const double error = error_degrees(human, robot, limbs, config);
     std::cout << name << ": limbs " << error << " degrees off\n";
     EXPECT_LT(error, 5.0) << name;
   }
@@ -167,11 +159,9 @@ TEST(ShippedRobots, WalkWithTheirOwnMappings) {
 TEST(ShippedRobots, MappingsMatchTheDerivedOnes) {
   for (const std::string& name : list_robots({source_folder() / "robots"})) {
     const auto robot = shipped(name);
-    const auto limbs = find_limbs(*robot, name);
-    ASSERT_TRUE(limbs) << describe(limbs.error());
-    const auto file = read_file(mapping_of(name).string());
-    ASSERT_TRUE(file) << describe(file.error());
-    EXPECT_EQ(std::string(file->view()), format_retargeting_config(derived(*robot, *limbs)))
+    const auto limbs = value_of(find_limbs(*robot, name));
+    const auto file = value_of(read_file(mapping_of(name).string()));
+    EXPECT_EQ(std::string(file.view()), format_retargeting_config(derived(*robot, limbs)))
         << name << ": retarget robots add " << name << " makes the file anew";
   }
 }
@@ -179,8 +169,7 @@ TEST(ShippedRobots, MappingsMatchTheDerivedOnes) {
 TEST(ShippedRobots, TPoseOfTheProfileIsATPose) {
   for (const std::string& name : list_robots({source_folder() / "robots"})) {
     const auto robot = shipped(name);
-    const auto limbs = find_limbs(*robot, name);
-    ASSERT_TRUE(limbs) << describe(limbs.error());
+    const auto limbs = value_of(find_limbs(*robot, name));
     std::vector<double> qpos = robot->zero_configuration();
     for (const RobotJoint& joint : robot->joints()) {
       const auto found = robot->profile().t_pose.find(joint.name);
@@ -193,13 +182,13 @@ TEST(ShippedRobots, TPoseOfTheProfileIsATPose) {
       return world_from_body[static_cast<std::size_t>(part.body)] * part.joint;
     };
     for (std::size_t side = 0; side < 2; ++side) {
-      const Eigen::Vector3d outwards = side == 0 ? limbs->left : Eigen::Vector3d(-limbs->left);
+      const Eigen::Vector3d outwards = side == 0 ? limbs.left : Eigen::Vector3d(-limbs.left);
       const auto along = [](const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                             const Eigen::Vector3d& direction) {
         return (to - from).normalized().dot(direction);
       };
-      const Limb& leg = limbs->legs[side];
-      const Limb& arm = limbs->arms[side];
+      const Limb& leg = limbs.legs[side];
+      const Limb& arm = limbs.arms[side];
       EXPECT_GT(along(at(leg.upper), at(*leg.end), -Eigen::Vector3d::UnitZ()), 0.99) << name;
       EXPECT_GT(along(at(arm.upper), at(arm.lower), outwards), 0.97) << name;
       if (arm.end) {

@@ -5,12 +5,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
 #include <string>
 
-#include "human/skeleton/human_clip.h"
 #include "limb_errors.h"
+#include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
@@ -20,6 +19,7 @@
 #include "solve/robot_setup/check_robot.h"
 #include "support/angles.h"
 #include "support/humanoids.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -49,12 +49,8 @@ class UpperBodyTest : public testing::Test {
  protected:
   // The folder of a robot made from a model.
   std::string made(const std::string& name, const std::string& text, RobotBase base) {
-    const auto robot = make_robot(folder_.write(name + ".xml", text), name, base);
-    EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
-    if (!robot) return {};
-    const auto written = save_robot(*robot, folder_.path(), true);
-    EXPECT_TRUE(written.has_value());
-    return written ? written->string() : std::string();
+    const auto robot = value_of(make_robot(folder_.write(name + ".xml", text), name, base));
+    return value_of(save_robot(robot, folder_.path(), true)).string();
   }
 
   static Motion solved(const std::string& robot, const std::string& clip, Method method) {
@@ -63,11 +59,9 @@ class UpperBodyTest : public testing::Test {
     Options options;
     options.solve.method = method;
     const auto data = fs::path(RETARGET_SOURCE_DIR) / "data" / (clip + ".bvh");
-    auto plan = make_plan(load_clip(data.string()).value(), load_robot(choice).value(), options);
-    EXPECT_TRUE(plan.has_value()) << (plan ? "" : describe(plan.error()));
-    auto motion = solve(std::move(plan).value());
-    EXPECT_TRUE(motion.has_value()) << (motion ? "" : describe(motion.error()));
-    return std::move(motion).value();
+    auto plan =
+        value_of(make_plan(load_clip(data.string()).value(), load_robot(choice).value(), options));
+    return value_of(solve(std::move(plan)));
   }
 
   // The human turned so that the line between its hips faces along x, then by `yaw`: the expected
@@ -88,10 +82,9 @@ class UpperBodyTest : public testing::Test {
   // Angle between the robot's and the human's upper arms and forearms, degrees.
   static double arm_error(const HumanClip& human, const Motion& motion) {
     const Robot& robot = motion.clip.robot();
-    const auto limbs = find_limbs(robot, "robot");
-    EXPECT_TRUE(limbs.has_value());
+    const auto limbs = value_of(find_limbs(robot, "robot"));
     double sum = 0.0;
-    for (const LimbError& error : limb_errors(human, motion.clip, *limbs)) {
+    for (const LimbError& error : limb_errors(human, motion.clip, limbs)) {
       if (error.segment.find("arm") != std::string::npos) sum += 0.25 * error.mean;
     }
     return sum * kDegrees;
@@ -121,19 +114,16 @@ TEST_F(UpperBodyTest, RequiresAFixedBase) {
   ASSERT_FALSE(refused.has_value());
   EXPECT_THAT(refused.error().message, HasSubstr("two legs and two arms"));
   EXPECT_THAT(refused.error().hint, HasSubstr("fixed"));
-  const auto made = make_robot(model, "cart", RobotBase::kFixed);
-  ASSERT_TRUE(made.has_value()) << describe(made.error());
-  EXPECT_THAT(made->profile, HasSubstr("\"base\": \"fixed\""));
-  const auto folder = save_robot(*made, folder_.path(), false);
-  ASSERT_TRUE(folder.has_value());
+  const auto made = value_of(make_robot(model, "cart", RobotBase::kFixed));
+  EXPECT_THAT(made.profile, HasSubstr("\"base\": \"fixed\""));
+  const auto folder = value_of(save_robot(made, folder_.path(), false));
   const RobotSources sources{"cart",
-                             (*folder / "model.xml").string(),
-                             (*folder / "robot.json").string(),
-                             (*folder / "ik.json").string(),
+                             (folder / "model.xml").string(),
+                             (folder / "robot.json").string(),
+                             (folder / "ik.json").string(),
                              {}};
-  const auto findings = check_robot(sources);
-  ASSERT_TRUE(findings.has_value());
-  for (const RobotFinding& finding : *findings) {
+  const auto findings = value_of(check_robot(sources));
+  for (const RobotFinding& finding : findings) {
     EXPECT_FALSE(finding.fault) << finding.text;
     EXPECT_THAT(finding.text, testing::Not(HasSubstr("sole")));
   }
@@ -221,14 +211,13 @@ TEST_F(UpperBodyTest, ArmsAreRelativeToAChestBase) {
 
 TEST_F(UpperBodyTest, IsMeasuredWithoutFloorAndFeet) {
   const std::string cart = made("cart", body_on_cart("pos=\"0 0 0.6\"", true), RobotBase::kFixed);
-  const auto report = evaluate(solved(cart, "turn_in_place", Method::kFit));
-  ASSERT_TRUE(report.has_value()) << describe(report.error());
+  const auto report = value_of(evaluate(solved(cart, "turn_in_place", Method::kFit)));
   for (const char* metric : {"foot_pen_1cm_pct", "body_pen_1cm_pct", "float_2cm_pct",
                              "contact_slip_mean", "stance_slip_mean", "lying_pct"}) {
-    EXPECT_EQ(report->find(metric), nullptr) << metric;
+    EXPECT_EQ(report.find(metric), nullptr) << metric;
   }
-  ASSERT_NE(report->find("limb_angle_deg"), nullptr);
-  EXPECT_LT(report->find("limb_angle_deg")->value, 6.0);
+  ASSERT_NE(report.find("limb_angle_deg"), nullptr);
+  EXPECT_LT(report.find("limb_angle_deg")->value, 6.0);
 }
 
 TEST_F(UpperBodyTest, AModelWithoutFreeJointRequiresAFixedBase) {
@@ -238,10 +227,9 @@ TEST_F(UpperBodyTest, AModelWithoutFreeJointRequiresAFixedBase) {
   ASSERT_FALSE(refused.has_value());
   EXPECT_THAT(refused.error().message, HasSubstr("no free joint"));
   choice.base = RobotBase::kFixed;
-  const auto robot = load_robot(choice);
-  ASSERT_TRUE(robot.has_value()) << describe(robot.error());
-  EXPECT_TRUE(robot->robot->fixed_base());
-  EXPECT_TRUE(robot->robot->profile().soles.empty());
+  const auto robot = value_of(load_robot(choice));
+  EXPECT_TRUE(robot.robot->fixed_base());
+  EXPECT_TRUE(robot.robot->profile().soles.empty());
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 // Models that would crash MuJoCo or never finish are rejected before MuJoCo reads them.
 
-#include "robot/model/check_model.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -9,7 +7,6 @@
 #include <chrono>
 #include <filesystem>
 
-#include "retarget/load_robot.h"
 #include "robot/model/load_model.h"
 #include "support/temporary_folder.h"
 

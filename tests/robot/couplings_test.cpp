@@ -5,8 +5,6 @@
 
 #include <string>
 
-#include "retarget/load_robot.h"
-#include "robot/model/load_model.h"
 #include "robot/model/urdf_extras.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"

@@ -9,7 +9,6 @@
 #include <random>
 #include <set>
 
-#include "base/math/se3.h"
 #include "retarget/so3.h"
 #include "robot/model/composite.h"
 #include "robot_kinematics.h"

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -32,10 +33,9 @@ std::string limits_message(const std::string& text) {
 TEST(LimitsTest, FindsSetsByName) {
   const auto robot = load_g1();
   for (const char* name : {"official", "gmr", "model"}) {
-    const auto limits = load_limits(*robot, name);
-    ASSERT_TRUE(limits.has_value()) << name;
-    EXPECT_EQ(limits->name, name);
-    EXPECT_EQ(limits->lower.size(), 29U);
+    const auto limits = value_of(load_limits(*robot, name));
+    EXPECT_EQ(limits.name, name);
+    EXPECT_EQ(limits.lower.size(), 29U);
   }
 }
 
@@ -49,12 +49,11 @@ TEST(LimitsTest, UnknownNameSuggestsAndLists) {
 }
 
 TEST(LimitsTest, JsonFileOverridesModelRanges) {
-  const auto limits =
-      limits_of_file("limits.json", R"({"left_twist": [-0.5, 0.5], "left_elbow": [1, 1]})");
-  ASSERT_TRUE(limits.has_value()) << describe(limits.error());
-  EXPECT_THAT(limits->lower, ElementsAre(-1, 1, -0.5, -0.2, -2));
-  EXPECT_THAT(limits->upper, ElementsAre(1.5, 1, 0.5, 0.2, 0.5));
-  EXPECT_THAT(limits->name, HasSubstr("limits.json"));
+  const auto limits = value_of(
+      limits_of_file("limits.json", R"({"left_twist": [-0.5, 0.5], "left_elbow": [1, 1]})"));
+  EXPECT_THAT(limits.lower, ElementsAre(-1, 1, -0.5, -0.2, -2));
+  EXPECT_THAT(limits.upper, ElementsAre(1.5, 1, 0.5, 0.2, 0.5));
+  EXPECT_THAT(limits.name, HasSubstr("limits.json"));
 }
 
 TEST(LimitsTest, ReportsAllErrorsOfAJsonFile) {
@@ -106,14 +105,13 @@ TEST(LimitsTest, JointsWithoutRangesMayTurnOften) {
 
 // No free joint is needed, and joints of another hand are ignored.
 TEST(LimitsTest, ReadsMjcfByJointNames) {
-  const auto limits = limits_of_file("limits.xml", R"(
+  const auto limits = value_of(limits_of_file("limits.xml", R"(
 <mujoco><compiler angle="radian"/><worldbody>
   <body><joint name="left_elbow" range="-0.25 0.75"/><geom type="mesh" mesh="missing"/>
     <body><joint name="right_slide" type="slide"/><joint name="finger"/></body></body>
-</worldbody><asset><mesh name="missing" file="missing.stl"/></asset></mujoco>)");
-  ASSERT_TRUE(limits.has_value()) << describe(limits.error());
-  EXPECT_THAT(limits->lower, ElementsAre(-1, -0.25, -kInfinity, -kInfinity, -2));
-  EXPECT_THAT(limits->upper, ElementsAre(1.5, 0.75, kInfinity, kInfinity, 0.5));
+</worldbody><asset><mesh name="missing" file="missing.stl"/></asset></mujoco>)"));
+  EXPECT_THAT(limits.lower, ElementsAre(-1, -0.25, -kInfinity, -kInfinity, -2));
+  EXPECT_THAT(limits.upper, ElementsAre(1.5, 0.75, kInfinity, kInfinity, 0.5));
 }
 
 TEST(LimitsTest, RejectsMjcfOfAnotherRobot) {

@@ -1,12 +1,9 @@
 // Loading MJCF: models that compile without their files, and the messages of rejected ones.
 
-#include "robot/model/load_model.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -17,6 +14,7 @@
 #include "robot/model/mujoco_messages.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -91,7 +89,6 @@ TEST(LoadModelTest, MeshesAndOtherFilesAreNotNeeded) {
   <sensor><framepos objtype="geom" objname="arm_mesh"/><jointpos joint="elbow"/></sensor>
   <keyframe><key qpos="0 0 0 1 0 0 0 0"/></keyframe>
 </mujoco>)");
-  ASSERT_NE(robot, nullptr);
   EXPECT_THAT(robot->body_names(), ElementsAre("world", "base", "arm", "marker"));
   EXPECT_THAT(robot->joint_names(), ElementsAre("elbow"));
 }
@@ -100,9 +97,8 @@ TEST(LoadModelTest, FollowsIncludes) {
   const TemporaryFolder folder;
   folder.write("part.xml", "<mujocoinclude>" + std::string(kFloatingBall) + "</mujocoinclude>");
   const auto robot =
-      load_robot_files(folder.write("robot.xml", world("<include file=\"part.xml\"/>")));
-  ASSERT_TRUE(robot.has_value()) << describe(robot.error());
-  EXPECT_EQ((*robot)->name(), "robot");
+      value_of(load_robot_files(folder.write("robot.xml", world("<include file=\"part.xml\"/>"))));
+  EXPECT_EQ(robot->name(), "robot");
 }
 
 TEST(LoadModelTest, ReferenceModelsLoadWithoutTheirMeshes) {
@@ -228,15 +224,14 @@ TEST(LoadModelTest, LimitsJointsWithARangeOfASinglePosition) {
       "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" "
       "iyz=\"0\"/></inertial></link>";
   for (const char* name : {"robot.urdf", "robot.xml"}) {
-    const auto urdf = load_robot_files(
+    const auto urdf = value_of(load_robot_files(
         folder.write(
             name, "<robot name=\"r\"><link name=\"a\">" + link + "<link name=\"b\">" + link +
                       "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
                       "<limit lower=\"0.3\" upper=\"0.3\"/></joint></robot>"),
-        {}, RobotBase::kFixed);
-    ASSERT_TRUE(urdf) << describe(urdf.error());
-    EXPECT_EQ((*urdf)->model_limits().upper[0], 0.3) << name;
-    EXPECT_THAT((*urdf)->warnings(), IsEmpty()) << name;
+        {}, RobotBase::kFixed));
+    EXPECT_EQ(urdf->model_limits().upper[0], 0.3) << name;
+    EXPECT_THAT(urdf->warnings(), IsEmpty()) << name;
   }
 }
 
@@ -290,7 +285,6 @@ TEST(LoadModelTest, RecognisesUrdf) {
 
 TEST(LoadModelTest, DeduplicatesWarnings) {
   const auto robot = robot_from_text(kSingular);
-  ASSERT_NE(robot, nullptr);
   ASSERT_EQ(robot->warnings().size(), 1U);
   EXPECT_THAT(robot->warnings().front(), HasSubstr("singular"));
   EXPECT_THAT(robot_from_text(world(kFloatingBall))->warnings(), IsEmpty());

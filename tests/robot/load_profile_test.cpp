@@ -5,10 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "retarget/load_robot.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -39,7 +38,7 @@ std::string message_with(const std::string& member) {
 }
 
 TEST(LoadProfileTest, ReadsEveryPart) {
-  const auto loaded = load(R"({
+  const auto loaded = value_of(load(R"({
     "name": "two_arms", "description": "d", "source": "s", "licence": "l",
     "joint_order": ["right_slide", "left_elbow"],
     "limit_sets": {"narrow": {"source": "a sheet", "ranges": {"left_elbow": [0.5, 1]}}},
@@ -58,9 +57,8 @@ TEST(LoadProfileTest, ReadsEveryPart) {
     "variants": {"one_arm": {"description": "v", "locked": {"right_slide": 0.1}}},
     "soles": {"left": {"body": "left_lower", "points": [[1, 2, 3], [4, 5, 6]],
                        "labels": ["heel", "toe"]}},
-    "allowed_self_contact": [["base", "left_lower"]]})");
-  ASSERT_TRUE(loaded.has_value()) << describe(loaded.error());
-  const Robot& robot = **loaded;
+    "allowed_self_contact": [["base", "left_lower"]]})"));
+  const Robot& robot = *loaded;
   EXPECT_EQ(robot.name(), "two_arms");
   EXPECT_EQ(robot.profile().licence, "l");
   EXPECT_THAT(robot.output_joints(), ElementsAre(3, 1));
@@ -102,11 +100,10 @@ TEST(LoadProfileTest, ReadsEveryPart) {
 }
 
 TEST(LoadProfileTest, OnlyNameIsRequired) {
-  const auto robot = load(R"({"name": "two_arms"})");
-  ASSERT_TRUE(robot.has_value()) << describe(robot.error());
-  EXPECT_EQ((*robot)->output_joints().size(), 5U);
-  EXPECT_EQ((*robot)->limits_for("gmr"), "model");
-  EXPECT_EQ((*robot)->speed_limit(0), 20.0);
+  const auto robot = value_of(load(R"({"name": "two_arms"})"));
+  EXPECT_EQ(robot->output_joints().size(), 5U);
+  EXPECT_EQ(robot->limits_for("gmr"), "model");
+  EXPECT_EQ(robot->speed_limit(0), 20.0);
 }
 
 TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {

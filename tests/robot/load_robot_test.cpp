@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -44,18 +45,16 @@ class FindRobotTest : public testing::Test {
 };
 
 TEST_F(FindRobotTest, FindsByName) {
-  const auto found = find_robot("maker_one", {folder_.path()});
-  ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->model, folder_.path() / "maker_one" / "model.xml");
-  EXPECT_EQ(found->profile, folder_.path() / "maker_one" / "robot.json");
+  const auto found = value_of(find_robot("maker_one", {folder_.path()}));
+  EXPECT_EQ(found.model, folder_.path() / "maker_one" / "model.xml");
+  EXPECT_EQ(found.profile, folder_.path() / "maker_one" / "robot.json");
 }
 
 TEST_F(FindRobotTest, FindsFolderWithoutProfile) {
   const fs::path folder = folder_.path() / "maker_two";
-  const auto found = find_robot(folder.string(), {"no/such/folder"});
-  ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->model, folder / "model.xml");
-  EXPECT_TRUE(found->profile.empty());
+  const auto found = value_of(find_robot(folder.string(), {"no/such/folder"}));
+  EXPECT_EQ(found.model, folder / "model.xml");
+  EXPECT_TRUE(found.profile.empty());
 }
 
 TEST_F(FindRobotTest, UnknownNamesSuggestAndList) {
@@ -148,10 +147,9 @@ TEST_F(NotInstalledTest, LaterFoldersAddRobots) {
   own.write("other_four/model.xml", "");
   const RobotFolders folders = {folder_.path(), own.path()};
   for (const char* name : {"maker_two", "two"}) {
-    const auto found = find_robot(name, folders);
-    ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->model, model);
-    EXPECT_TRUE(is_unverified(found->model));
+    const auto found = value_of(find_robot(name, folders));
+    EXPECT_EQ(found.model, model);
+    EXPECT_TRUE(is_unverified(found.model));
   }
   // The first folder that contains a robot takes precedence.
   EXPECT_EQ(find_robot("four", folders)->model, folder_.path() / "other_four" / "model.xml");
@@ -210,18 +208,15 @@ TEST(RobotsFolderTest, IncludesTheG1) {
 
 TEST(RobotsFolderTest, IndexNamesEveryRobot) {
   const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
-  const auto known = known_robots({robots});
-  ASSERT_TRUE(known) << describe(known.error());
+  const auto known = value_of(known_robots({robots}));
   std::vector<std::string> names;
-  for (const KnownRobot& robot : *known) {
+  for (const KnownRobot& robot : known) {
     names.push_back(robot.name);
-    const auto files = find_robot(robot.name, {robots});
-    ASSERT_TRUE(files) << robot.name;
-    EXPECT_EQ(robot.in_packages, !is_unverified(files->model)) << robot.name;
-    const auto profile = load_json(files->profile.string());
-    ASSERT_TRUE(profile) << robot.name;
-    EXPECT_EQ(robot.description, (*profile)["description"]) << robot.name;
-    EXPECT_EQ(robot.licence, (*profile)["licence"]) << robot.name;
+    const auto files = value_of(find_robot(robot.name, {robots}));
+    EXPECT_EQ(robot.in_packages, !is_unverified(files.model)) << robot.name;
+    const auto profile = value_of(load_json(files.profile.string()));
+    EXPECT_EQ(robot.description, profile["description"]) << robot.name;
+    EXPECT_EQ(robot.licence, profile["licence"]) << robot.name;
   }
   EXPECT_EQ(names, list_robots({robots}));
 }

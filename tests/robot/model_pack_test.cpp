@@ -6,37 +6,31 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "retarget/error.h"
 #include "retarget/model_pack.h"
 #include "retarget/robots.h"
 #include "robot/model/load_model.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
 
 RobotFiles files_of_robot(const std::string& name) {
-  const auto found = find_robot(name, {std::filesystem::path(RETARGET_SOURCE_DIR) / "robots"});
-  EXPECT_TRUE(found.has_value());
-  return found.value_or(RobotFiles{});
+  return value_of(find_robot(name, {std::filesystem::path(RETARGET_SOURCE_DIR) / "robots"}));
 }
 
 std::string pack_of(const std::string& name) {
-  const auto pack = make_model_pack(files_of_robot(name));
-  EXPECT_TRUE(pack.has_value());
-  return pack.value_or(std::string());
+  return value_of(make_model_pack(files_of_robot(name)));
 }
 
 TEST(ModelPack, HoldsTheArraysOfTheModel) {
-  const auto packed = parse_model_pack(pack_of("unitree_g1"), "g1.pack");
-  ASSERT_TRUE(packed.has_value()) << describe(packed.error());
+  const auto packed = value_of(parse_model_pack(pack_of("unitree_g1"), "g1.pack"));
   // The whole robot, and the variant with its own model.
-  ASSERT_EQ(packed->size(), 2U);
-  const auto loaded = load_model(files_of_robot("unitree_g1").model.string());
-  ASSERT_TRUE(loaded.has_value());
-  const mjModel& model = *loaded->model;
-  const PackedModel& read = packed->front();
+  ASSERT_EQ(packed.size(), 2U);
+  const auto loaded = value_of(load_model(files_of_robot("unitree_g1").model.string()));
+  const mjModel& model = *loaded.model;
+  const PackedModel& read = packed.front();
   EXPECT_EQ(read.file, "model.xml");
   EXPECT_EQ(read.nbody, model.nbody);
 #define RETARGET_COMPARE(type, name, elements, numbers)                              \
@@ -45,7 +39,7 @@ TEST(ModelPack, HoldsTheArraysOfTheModel) {
     EXPECT_EQ(read.name[i], model.name[i]) << #name;
   RETARGET_PACKED_ARRAYS(RETARGET_COMPARE)
 #undef RETARGET_COMPARE
-  EXPECT_EQ(read.loaded.couplings.size(), loaded->couplings.size());
+  EXPECT_EQ(read.loaded.couplings.size(), loaded.couplings.size());
 }
 
 TEST(ModelPack, EqualRobotsGiveEqualBytes) {

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "retarget/normalize_start.h"
 #include "robot/model/limits.h"
 #include "support/angles.h"
@@ -38,13 +36,12 @@ TEST(NearestLimit, ReportsJointFrameSideAndDistance) {
   for (int frame = 0; frame < 4; ++frame) set("left_elbow", frame, 1.0);  // range 0 to 2.5
   set("left_shoulder", 2, 1.4);                                           // range -1 to 1.5
   set("left_twist", 1, 1e6);                                              // Unlimited.
-  const auto nearest = nearest_limit(clip, robot->model_limits());
-  ASSERT_TRUE(nearest);
-  EXPECT_EQ(nearest->joint, "left_shoulder");
-  EXPECT_EQ(nearest->frame, 2);
-  EXPECT_TRUE(nearest->at_upper);
-  EXPECT_NEAR(nearest->distance, 0.1, 1e-12);
-  EXPECT_EQ(nearest->frames_at_limit, 0.0);
+  const auto nearest = nearest_limit(clip, robot->model_limits()).value();
+  EXPECT_EQ(nearest.joint, "left_shoulder");
+  EXPECT_EQ(nearest.frame, 2);
+  EXPECT_TRUE(nearest.at_upper);
+  EXPECT_NEAR(nearest.distance, 0.1, 1e-12);
+  EXPECT_EQ(nearest.frames_at_limit, 0.0);
 
   set("right_slide", 3, -0.25);  // range -0.2 to 0.2
   set("left_elbow", 1, 0.0005);
@@ -62,10 +59,9 @@ TEST(NearestLimit, IgnoresFixedJoints) {
   RobotClip clip(robot, {30, 1}, 3);
   EXPECT_FALSE(nearest_limit(clip, robot->model_limits()));
   clip.qpos(1)[7] = 1.0;
-  const auto nearest = nearest_limit(clip, robot->model_limits());
-  ASSERT_TRUE(nearest);
-  EXPECT_EQ(nearest->joint, "left_shoulder");
-  EXPECT_EQ(nearest->frames_at_limit, 0.0);
+  const auto nearest = nearest_limit(clip, robot->model_limits()).value();
+  EXPECT_EQ(nearest.joint, "left_shoulder");
+  EXPECT_EQ(nearest.frames_at_limit, 0.0);
 }
 
 TEST(NormalizeStart, MovesTheWholeMotionRigidly) {

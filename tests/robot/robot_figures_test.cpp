@@ -15,6 +15,7 @@
 #include "robot_kinematics.h"
 #include "shipped_robots.h"
 #include "support/shared_data.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -121,13 +122,10 @@ class RobotFigures : public testing::TestWithParam<FiguresCase> {
     if (!shared) GTEST_SKIP() << kNoSharedFolder;
     folder_ = *shared / "reference" / "robots" / GetParam().folder;
     robot_ = load_shipped(GetParam().robot);
-    ASSERT_NE(robot_, nullptr);
   }
 
   [[nodiscard]] std::shared_ptr<const Robot> reference(const char* file) const {
-    const auto robot = load_robot_files((folder_ / file).string());
-    EXPECT_TRUE(robot.has_value()) << describe(robot.error());
-    return robot ? *robot : nullptr;
+    return value_of(load_robot_files((folder_ / file).string()));
   }
 
   [[nodiscard]] nlohmann::json collision() const {
@@ -141,7 +139,6 @@ class RobotFigures : public testing::TestWithParam<FiguresCase> {
 
 TEST_P(RobotFigures, TreeAndJointsMatchTheReference) {
   const auto reference = this->reference(GetParam().model);
-  ASSERT_NE(reference, nullptr);
   EXPECT_THAT(robot_->body_names(), ElementsAreArray(reference->body_names()));
   EXPECT_THAT(robot_->joint_names(), ElementsAreArray(reference->joint_names()));
   EXPECT_THAT(robot_->zero_configuration(), ElementsAreArray(reference->zero_configuration()));
@@ -167,7 +164,6 @@ TEST_P(RobotFigures, TreeAndJointsMatchTheReference) {
 
 TEST_P(RobotFigures, RangesMatchTheReference) {
   const auto reference = this->reference(GetParam().ranges);
-  ASSERT_NE(reference, nullptr);
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
     const std::string& name = robot_->joints()[j].name;
     const auto theirs = reference->find_joint(name);
@@ -179,7 +175,6 @@ TEST_P(RobotFigures, RangesMatchTheReference) {
 
 TEST_P(RobotFigures, MassesMatchTheReference) {
   const auto reference = this->reference(GetParam().model);
-  ASSERT_NE(reference, nullptr);
   const mjModel& ours = *robot_->model();
   const mjModel& theirs = *reference->model();
   for (int b = 0; b < ours.nbody; ++b) {

@@ -42,7 +42,6 @@ void expect_mujoco_agrees(const Robot& robot, int configurations) {
 
 TEST(RobotTest, TreeMatchesTheModel) {
   const auto robot = robot_from_text(kTwoArms);
-  ASSERT_NE(robot, nullptr);
   EXPECT_THAT(robot->body_names(),
               ElementsAre("world", "base", "left_upper", "left_lower", "right_upper"));
   EXPECT_EQ(robot->root_body(), 1);
@@ -67,7 +66,6 @@ TEST(RobotTest, TreeMatchesTheModel) {
 
 TEST(RobotTest, RobotWithoutProfileUsesModelOrderAndRanges) {
   const auto robot = robot_from_text(kTwoArms);
-  ASSERT_NE(robot, nullptr);
   EXPECT_EQ(robot->name(), "robot");
   EXPECT_THAT(robot->output_joints(), ElementsAre(0, 1, 2, 3, 4));
   EXPECT_EQ(robot->limits_for("gmr"), "model");
@@ -80,7 +78,6 @@ TEST(RobotTest, DoesNotFindUnnamedElements) {
   const auto robot = robot_from_text(
       "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/><geom size='1'/></body>"
       "</body></worldbody></mujoco>");
-  ASSERT_NE(robot, nullptr);
   EXPECT_EQ(robot->find_body(""), std::nullopt);
   EXPECT_EQ(robot->find_joint(""), std::nullopt);
 }
@@ -90,7 +87,6 @@ TEST(ForwardKinematicsTest, HingeRotatesAboutItsAnchor) {
 <mujoco><worldbody><body name="base"><freejoint/><geom size="1"/>
   <body name="arm" pos="1 0 0"><joint axis="0 0 1" pos="0 1 0"/><geom size="1"/></body>
 </body></worldbody></mujoco>)");
-  ASSERT_NE(robot, nullptr);
   // A quarter turn about (1, 1) moves the arm's origin from (1, 0) to (2, 1).
   std::vector<double> qpos = robot->zero_configuration();
   qpos[7] = M_PI / 2;
@@ -168,7 +164,6 @@ TEST(RobotTest, CollisionShapesAreTheContactPrimitives) {
       <geom type="box" pos="0 0 1" size="1 2 3"/>
     </body>
   </body></worldbody></mujoco>)");
-  ASSERT_NE(robot, nullptr);
   const auto& shapes = robot->collision_shapes();
   ASSERT_EQ(shapes.size(), 3U);
   EXPECT_EQ(shapes[0].type, CollisionShape::Type::kSphere);

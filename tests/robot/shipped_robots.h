@@ -8,6 +8,7 @@
 
 #include "retarget/load_robot.h"
 #include "retarget/robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -17,12 +18,8 @@ inline std::filesystem::path robots_folder() {
 
 /// A robot of the repository with its profile.
 inline std::shared_ptr<const Robot> load_shipped(const std::string& name) {
-  const auto files = find_robot(name, {robots_folder()});
-  EXPECT_TRUE(files.has_value()) << (files ? "" : describe(files.error()));
-  if (!files) return nullptr;
-  const auto robot = load_robot_files(files->model.string(), files->profile.string());
-  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
-  return robot ? *robot : nullptr;
+  const auto files = value_of(find_robot(name, {robots_folder()}));
+  return value_of(load_robot_files(files.model.string(), files.profile.string()));
 }
 
 }  // namespace retarget

@@ -13,6 +13,7 @@
 
 #include "retarget/robot.h"
 #include "robot_kinematics.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -39,7 +40,6 @@ class ShippedRobots : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     robot_ = load_shipped(GetParam());
-    ASSERT_NE(robot_, nullptr);
     poses_ = own_kinematics(*robot_, robot_->zero_configuration());
   }
 
@@ -117,11 +117,10 @@ TEST_P(ShippedRobots, CanStandAtTheZeroPoseUnderEveryLimitSet) {
   std::vector<std::string> sets = {"model", robot_->limits_for("gmr"), robot_->limits_for("fit")};
   for (const LimitSet& set : robot_->profile().limit_sets) sets.push_back(set.name);
   for (const std::string& name : sets) {
-    const auto limits = load_limits(*robot_, name);
-    ASSERT_TRUE(limits.has_value()) << describe(limits.error());
+    const auto limits = value_of(load_limits(*robot_, name));
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
-      EXPECT_LE(limits->lower[j], 0.0) << name << ", " << robot_->joints()[j].name;
-      EXPECT_GE(limits->upper[j], 0.0) << name << ", " << robot_->joints()[j].name;
+      EXPECT_LE(limits.lower[j], 0.0) << name << ", " << robot_->joints()[j].name;
+      EXPECT_GE(limits.upper[j], 0.0) << name << ", " << robot_->joints()[j].name;
     }
   }
 }

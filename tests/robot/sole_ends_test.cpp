@@ -20,11 +20,10 @@ Sole sole_beside(double aside) {
 
 TEST(SoleEndsTest, SidewaysAxisLiesInTheSoleForAnyOrigin) {
   for (const double aside : {0.0, 0.037, -0.037, 0.2}) {
-    const auto shape = sole_shape(sole_beside(aside));
-    ASSERT_TRUE(shape.has_value());
-    EXPECT_LT((shape->sideways - Vector3d(0, 1, 0)).norm(), 1e-12) << aside;
-    EXPECT_NEAR(shape->body_height, 0.05, 1e-12) << aside;
-    EXPECT_NEAR(shape->ends[kSoleHeel].half_width, 0.03, 1e-12) << aside;
+    const auto shape = sole_shape(sole_beside(aside)).value();
+    EXPECT_LT((shape.sideways - Vector3d(0, 1, 0)).norm(), 1e-12) << aside;
+    EXPECT_NEAR(shape.body_height, 0.05, 1e-12) << aside;
+    EXPECT_NEAR(shape.ends[kSoleHeel].half_width, 0.03, 1e-12) << aside;
   }
 }
 
@@ -32,10 +31,9 @@ TEST(SoleEndsTest, OriginDeterminesTheUpAxisOfALine) {
   Sole sole;
   sole.points = {Vector3d(-0.05, 0, -0.04), Vector3d(0.15, 0, -0.04)};
   sole.labels = {"heel", "toe"};
-  const auto shape = sole_shape(sole);
-  ASSERT_TRUE(shape.has_value());
-  EXPECT_LT((shape->sideways - Vector3d(0, 1, 0)).norm(), 1e-12);
-  EXPECT_NEAR(shape->body_height, 0.04, 1e-12);
+  const auto shape = sole_shape(sole).value();
+  EXPECT_LT((shape.sideways - Vector3d(0, 1, 0)).norm(), 1e-12);
+  EXPECT_NEAR(shape.body_height, 0.04, 1e-12);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "robot_kinematics.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -67,9 +68,7 @@ class UnitreeG1FiguresTest : public UnitreeG1Test {
   }
 
   [[nodiscard]] std::shared_ptr<const Robot> reference(const std::string& name) const {
-    const auto robot = load_robot_files((folder_ / name).string());
-    EXPECT_TRUE(robot.has_value()) << describe(robot.error());
-    return robot ? *robot : nullptr;
+    return value_of(load_robot_files((folder_ / name).string()));
   }
 
   fs::path folder_;
@@ -79,7 +78,6 @@ TEST_F(UnitreeG1FiguresTest, KinematicsMatchBothReferences) {
   std::mt19937 random(29);
   for (const char* file : {"g1_mocap_29dof.xml", "g1_29dof_rev_1_0.xml"}) {
     const auto reference = this->reference(file);
-    ASSERT_NE(reference, nullptr);
     double worst = 0.0;
     for (int i = 0; i < 100; ++i) {
       const std::vector<double> qpos = random_configuration(*g1_, random);
@@ -101,10 +99,9 @@ TEST_F(UnitreeG1FiguresTest, LimitSetsMatchTheReferences) {
                                                       {"gmr", "g1_mocap_29dof.xml"}};
   for (const auto& [set, file] : sources) {
     const auto reference = this->reference(file);
-    const auto limits = load_limits(*g1_, set);
-    ASSERT_TRUE(limits.has_value());
-    EXPECT_THAT(limits->lower, ElementsAreArray(reference->model_limits().lower)) << set;
-    EXPECT_THAT(limits->upper, ElementsAreArray(reference->model_limits().upper)) << set;
+    const auto limits = value_of(load_limits(*g1_, set));
+    EXPECT_THAT(limits.lower, ElementsAreArray(reference->model_limits().lower)) << set;
+    EXPECT_THAT(limits.upper, ElementsAreArray(reference->model_limits().upper)) << set;
   }
 }
 

@@ -1,7 +1,5 @@
 // Variants: joints held and omitted from the columns.
 
-#include "robot/model/variant.h"
-
 #include <gmock/gmock.h>
 #include <mujoco/mujoco.h>
 
@@ -13,6 +11,7 @@
 #include "robot/model/limits.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -29,10 +28,8 @@ constexpr const char* kProfile = R"({
 
 std::shared_ptr<const Robot> two_arms(const std::string& profile = kProfile) {
   const TemporaryFolder folder;
-  const auto robot =
-      load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
-  EXPECT_TRUE(robot) << describe(robot.error());
-  return *robot;
+  return value_of(
+      load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile)));
 }
 
 std::vector<std::string> columns_of(const Robot& robot) {
@@ -43,9 +40,8 @@ std::vector<std::string> columns_of(const Robot& robot) {
 
 TEST(RobotVariantTest, HeldJointsLeaveColumnsAndLimitSets) {
   const auto whole = two_arms();
-  const auto variant = robot_variant(whole, "one_arm");
-  ASSERT_TRUE(variant) << describe(variant.error());
-  const Robot& robot = **variant;
+  const auto variant = value_of(robot_variant(whole, "one_arm"));
+  const Robot& robot = *variant;
   EXPECT_EQ(robot.variant().name, "one_arm");
   EXPECT_EQ(robot.name(), "two_arms");
   EXPECT_THAT(columns_of(robot), ElementsAre("left_shoulder", "left_elbow", "left_twist"));
@@ -53,13 +49,12 @@ TEST(RobotVariantTest, HeldJointsLeaveColumnsAndLimitSets) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file.json", R"({"right_slide": [0, 0.1]})");
   for (const std::string& set : {std::string("model"), std::string("narrow"), file}) {
-    const auto limits = load_limits(robot, set);
-    ASSERT_TRUE(limits) << describe(limits.error());
-    EXPECT_EQ(limits->lower[3], 0.05) << set;
-    EXPECT_EQ(limits->upper[3], 0.05) << set;
-    EXPECT_EQ(limits->lower[4], -0.3) << set;
-    EXPECT_EQ(limits->upper[4], -0.3) << set;
-    EXPECT_EQ(limits->upper[0], 1.5) << set;
+    const auto limits = value_of(load_limits(robot, set));
+    EXPECT_EQ(limits.lower[3], 0.05) << set;
+    EXPECT_EQ(limits.upper[3], 0.05) << set;
+    EXPECT_EQ(limits.lower[4], -0.3) << set;
+    EXPECT_EQ(limits.upper[4], -0.3) << set;
+    EXPECT_EQ(limits.upper[0], 1.5) << set;
   }
   // The whole robot does not change.
   EXPECT_EQ(whole->output_joints().size(), 5U);
@@ -88,9 +83,8 @@ TEST(RobotVariantTest, HeldJointsAreNotAtALimit) {
   const auto variant = robot_variant(two_arms(), "one_arm").value();
   RobotClip clip(variant, {30, 1}, 2);
   clip.qpos(1)[8] = 2.4;
-  const auto nearest = nearest_limit(clip, variant->model_limits());
-  ASSERT_TRUE(nearest);
-  EXPECT_EQ(nearest->joint, "left_elbow");
+  const auto nearest = nearest_limit(clip, variant->model_limits()).value();
+  EXPECT_EQ(nearest.joint, "left_elbow");
 }
 
 TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
@@ -109,16 +103,15 @@ TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
                                                             {"23", {13, 14, 20, 21, 27, 28}},
                                                             {"23-pbhc", {19, 20, 21, 26, 27, 28}}};
   for (const auto& [name, held] : variants) {
-    const auto variant = robot_variant(g1, name);
-    ASSERT_TRUE(variant) << describe(variant.error());
-    EXPECT_EQ(columns_of(**variant), without(held)) << name;
+    const auto variant = value_of(robot_variant(g1, name));
+    EXPECT_EQ(columns_of(*variant), without(held)) << name;
     // An own model has no joints to hold.
-    EXPECT_EQ((*variant)->whole() != nullptr, name == "23");
-    EXPECT_EQ((*variant)->joints().size(), name == "23" ? 23U : 29U);
+    EXPECT_EQ(variant->whole() != nullptr, name == "23");
+    EXPECT_EQ(variant->joints().size(), name == "23" ? 23U : 29U);
     if (name == "23") continue;
     for (const int joint : held) {
-      EXPECT_EQ((*variant)->model_limits().lower[joint], 0.0);
-      EXPECT_EQ((*variant)->model_limits().upper[joint], 0.0);
+      EXPECT_EQ(variant->model_limits().lower[joint], 0.0);
+      EXPECT_EQ(variant->model_limits().upper[joint], 0.0);
     }
   }
   const auto message = robot_variant(g1, "23-pbch").error().message;
@@ -162,26 +155,23 @@ Result<std::shared_ptr<const Robot>> one_arm(const std::string& model,
                                              const std::string& profile = kProfileWithModel) {
   const TemporaryFolder folder;
   folder.write("one_arm.xml", model);
-  const auto robot =
-      load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
-  EXPECT_TRUE(robot) << describe(robot.error());
-  return robot_variant(*robot, "one_arm");
+  const auto robot = value_of(
+      load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile)));
+  return robot_variant(robot, "one_arm");
 }
 
 TEST(RobotVariantTest, OwnModelsUseTheProfileByNames) {
-  const auto variant = one_arm(kOneArm);
-  ASSERT_TRUE(variant) << describe(variant.error());
-  const Robot& robot = **variant;
+  const auto variant = value_of(one_arm(kOneArm));
+  const Robot& robot = *variant;
   ASSERT_NE(robot.whole(), nullptr);
   EXPECT_EQ(robot.whole()->joints().size(), 5U);
   EXPECT_EQ(robot.name(), "two_arms");
   EXPECT_EQ(robot.variant().name, "one_arm");
   EXPECT_EQ(robot.configuration_size(), 10);
   EXPECT_THAT(columns_of(robot), ElementsAre("left_twist", "left_elbow", "left_shoulder"));
-  const auto limits = load_limits(robot, "narrow");
-  ASSERT_TRUE(limits) << describe(limits.error());
-  EXPECT_EQ(limits->source, "s");
-  EXPECT_THAT(limits->upper, ElementsAre(0.4, 1.5, testing::Gt(1e9)));
+  const auto limits = value_of(load_limits(robot, "narrow"));
+  EXPECT_EQ(limits.source, "s");
+  EXPECT_THAT(limits.upper, ElementsAre(0.4, 1.5, testing::Gt(1e9)));
   EXPECT_EQ(robot.model_limits().upper[0], 2.0);
   EXPECT_EQ(robot.speed_limit(0), 3.0);
   EXPECT_EQ(robot.profile().t_pose.size(), 1U);
@@ -195,12 +185,12 @@ TEST(RobotVariantTest, OwnModelsUseTheProfileByNames) {
   EXPECT_EQ(load_limits(robot, file)->upper[0], 1.0);
   // Converts between the variant's motions and the whole robot's: joints by name, missing ones at
   // their held position.
-  RobotClip clip(*variant, {30, 1}, 1);
+  RobotClip clip(variant, {30, 1}, 1);
   for (int i = 0; i < 3; ++i) clip.qpos(0)[7 + i] = 0.1 * (i + 1);
   const RobotClip all = with_robot(clip, robot.whole());
   EXPECT_THAT(std::vector(all.qpos(0).begin() + 7, all.qpos(0).end()),
               ElementsAre(0.2, 0.1, 0.1 * 3, 0, 0.1));
-  const RobotClip again = with_robot(all, *variant);
+  const RobotClip again = with_robot(all, variant);
   EXPECT_THAT(std::vector(again.qpos(0).begin() + 7, again.qpos(0).end()),
               ElementsAre(0.1, 0.2, 0.1 * 3));
 }
@@ -248,14 +238,13 @@ TEST(RobotVariantTest, AnchorsMoveAlongTheJointsAxes) {
   std::ostringstream list;
   list.precision(17);
   list << "\"left_elbow\": [" << point.x() << ", " << point.y() << ", " << point.z() << "]";
-  const auto moved = anchored(list.str());
-  ASSERT_TRUE(moved) << describe(moved.error());
-  EXPECT_LT(((*moved)->joints()[elbow].anchor - point).norm(), 1e-15);
+  const auto moved = value_of(anchored(list.str()));
+  EXPECT_LT((moved->joints()[elbow].anchor - point).norm(), 1e-15);
   std::vector<double> qpos = plain->zero_configuration();
   for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.3;
   std::vector<Pose> expected(plain->bodies().size()), found(plain->bodies().size());
   forward_kinematics(*plain, qpos, expected);
-  forward_kinematics(**moved, qpos, found);
+  forward_kinematics(*moved, qpos, found);
   for (std::size_t b = 0; b < found.size(); ++b) {
     EXPECT_LT((found[b].translation - expected[b].translation).norm(), 1e-12);
   }
@@ -313,9 +302,8 @@ TEST(RobotVariantTest, G1With23JointsMatchesTheFullModelElsewhere) {
 }
 
 TEST(RobotVariantTest, CanOmitHands) {
-  const auto variant = robot_variant(load_shipped("unitree_g1_with_hands"), "29");
-  ASSERT_TRUE(variant);
-  EXPECT_EQ(columns_of(**variant), columns_of(*load_shipped("unitree_g1")));
+  const auto variant = value_of(robot_variant(load_shipped("unitree_g1_with_hands"), "29"));
+  EXPECT_EQ(columns_of(*variant), columns_of(*load_shipped("unitree_g1")));
 }
 
 }  // namespace

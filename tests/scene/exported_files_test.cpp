@@ -5,15 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <string>
-#include <vector>
 
 #include "formats/bvh/read_bvh.h"
 #include "formats/scene/read_scene.h"
 #include "retarget/clip.h"
-#include "scene_test_support.h"
+#include "retarget/file.h"
+#include "support/recorded_clip.h"
+#include "support/value_of.h"
+#include "support/world_poses.h"
 
 namespace retarget {
 namespace {
@@ -22,24 +22,15 @@ using ::testing::HasSubstr;
 
 const std::string kFolder = std::string(RETARGET_SOURCE_DIR) + "/tests/scene/data/";
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 Clip exported_clip(const std::string& name, const std::string& take = {}) {
   SceneReadOptions options;
   options.take = take;
-  auto clip = read_scene(bytes_of(kFolder + name), name, options);
-  EXPECT_TRUE(clip.has_value()) << (clip ? "" : clip.error().message);
-  return *std::move(clip);
+  return value_of(read_scene(value_of(read_file(kFolder + name)).view(), name, options));
 }
 
 // The largest distance of a joint from the sample's in metres, Y up.
 double distance(const Clip& found, const std::string& sample, int first) {
-  const auto bvh = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + sample);
-  EXPECT_TRUE(bvh.has_value());
-  const Clip& clip = bvh->clip;
+  const Clip clip = recorded_clip(sample);
   const double unit = *found.origin().metres_per_unit;
   const Eigen::Vector3d up = *found.origin().up;
   Eigen::Matrix3d y_up = Eigen::Matrix3d::Identity();
@@ -67,7 +58,7 @@ TEST(ExportedFilesTest, ContainTheMotionOfTheSample) {
     const Clip clip = exported_clip(name);
     EXPECT_EQ(clip.frame_count(), kFrames) << name;
     EXPECT_EQ(to_text(clip.rate()), "30") << name;
-    EXPECT_LT(distance(clip, "walk.bvh", 60), 0.01 * kMillimetre) << name;
+    EXPECT_LT(distance(clip, "walk", 60), 0.01 * kMillimetre) << name;
   }
 }
 
@@ -76,20 +67,19 @@ TEST(ExportedFilesTest, MayHaveOtherAxesAndUnits) {
   const Clip clip = exported_clip("wave_z_up.fbx");
   EXPECT_EQ(*clip.origin().up, Eigen::Vector3d::UnitZ());
   EXPECT_TRUE(clip.skeleton().find("Head_end").has_value());
-  EXPECT_LT(distance(clip, "wave.bvh", 30), 0.01 * kMillimetre);
+  EXPECT_LT(distance(clip, "wave", 30), 0.01 * kMillimetre);
 }
 
 TEST(ExportedFilesTest, MayContainSeveralTakes) {
   const Clip wave = exported_clip("takes.glb", "Wave");
-  EXPECT_LT(distance(wave, "wave.bvh", 30), 0.01 * kMillimetre);
+  EXPECT_LT(distance(wave, "wave", 30), 0.01 * kMillimetre);
   EXPECT_EQ(wave.origin().takes.size(), 2U);
   // In metres.
   const Clip fbx = exported_clip("takes.fbx", "wave|Wave");
   EXPECT_EQ(*fbx.origin().metres_per_unit, 1.0);
-  EXPECT_LT(distance(fbx, "wave.bvh", 30), 0.01 * kMillimetre);
-  EXPECT_LT(distance(exported_clip("takes.fbx", "wave|Squat"), "squat.bvh", 40),
-            0.01 * kMillimetre);
-  EXPECT_LT(distance(exported_clip("takes.glb", "Squat"), "squat.bvh", 40), 0.01 * kMillimetre);
+  EXPECT_LT(distance(fbx, "wave", 30), 0.01 * kMillimetre);
+  EXPECT_LT(distance(exported_clip("takes.fbx", "wave|Squat"), "squat", 40), 0.01 * kMillimetre);
+  EXPECT_LT(distance(exported_clip("takes.glb", "Squat"), "squat", 40), 0.01 * kMillimetre);
 }
 
 // The bind pose of the skin: without rotations, joints have the positions of the sample's zero
@@ -109,7 +99,7 @@ TEST(ExportedFilesTest, HaveTheBindPoseAsZeroPose) {
 // If any byte changes, the file is rejected with a message, or read with finite numbers.
 TEST(ExportedFilesTest, DoNotCrashTheReaderIfDamaged) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
-    const std::string good = bytes_of(kFolder + name);
+    const std::string good(value_of(read_file(kFolder + name)).view());
     SceneReadOptions options;
     options.max_clip_bytes = std::size_t{1} << 20U;
     unsigned state = 1;

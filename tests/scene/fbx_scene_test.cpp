@@ -11,6 +11,7 @@
 #include "base/option_name.h"
 #include "fbx_text.h"
 #include "formats/containers/file_kind.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -33,9 +34,7 @@ Matrix3d in_order(const std::string& order, const Vector3d& degrees) {
 }
 
 SceneGraph fbx_scene(const FbxText& file) {
-  auto scene = read_fbx(file.text(), "test.fbx", kMemory);
-  EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
-  return *std::move(scene);
+  return value_of(read_fbx(file.text(), "test.fbx", kMemory));
 }
 
 int node_of(const SceneGraph& scene, const std::string& name) {
@@ -122,16 +121,15 @@ TEST(FbxSceneTest, KeepsTheTransformsOfHelpersAboveTheRoot) {
   file.take("turn", 0, 1);
   file.keys(helper, "Lcl Translation", {{0, {10, 0, 0}}, {1, {12, 0, 0}}});
   file.keys(root, "Lcl Rotation", {{0, {0, 0, 0}}, {1, {0, 0, 90}}});
-  const auto clip = read_scene(file.text(), "test.fbx");
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_THAT(clip->skeleton().names(), ElementsAre("Hips", "Leg"));
-  ASSERT_EQ(clip->frame_count(), 31);
-  EXPECT_LT((clip->translation(0, 0) - Vector3d(10, 2, 0)).norm(), 1e-9);
-  EXPECT_LT((clip->translation(30, 0) - Vector3d(12, 2, 0)).norm(), 1e-9);
+  const auto clip = value_of(read_scene(file.text(), "test.fbx"));
+  EXPECT_THAT(clip.skeleton().names(), ElementsAre("Hips", "Leg"));
+  ASSERT_EQ(clip.frame_count(), 31);
+  EXPECT_LT((clip.translation(0, 0) - Vector3d(10, 2, 0)).norm(), 1e-9);
+  EXPECT_LT((clip.translation(30, 0) - Vector3d(12, 2, 0)).norm(), 1e-9);
   // The scale above halves the leg.
-  EXPECT_LT((clip->skeleton().joint(1).offset - Vector3d(0, -1, 0)).norm(), 1e-9);
-  EXPECT_FALSE(clip->skeleton().joint(1).has_position_channels());
-  EXPECT_LT((clip->rotations(30)[0].toRotationMatrix() - turn(2, 90)).norm(), 1e-9);
+  EXPECT_LT((clip.skeleton().joint(1).offset - Vector3d(0, -1, 0)).norm(), 1e-9);
+  EXPECT_FALSE(clip.skeleton().joint(1).has_position_channels());
+  EXPECT_LT((clip.rotations(30)[0].toRotationMatrix() - turn(2, 90)).norm(), 1e-9);
 }
 
 TEST(FbxSceneTest, ReadsTheRequestedTake) {
@@ -146,12 +144,11 @@ TEST(FbxSceneTest, ReadsTheRequestedTake) {
   EXPECT_EQ(read_scene(file.text(), "test.fbx", options)->frame_count(), 31);
   for (const char* name : {"short", "2"}) {
     options.take = name;
-    const auto clip = read_scene(file.text(), "test.fbx", options);
-    ASSERT_TRUE(clip) << clip.error().message;
-    EXPECT_EQ(clip->frame_count(), 16);
-    EXPECT_EQ(clip->translation(15, 0), Vector3d(1, 0, 0));
-    EXPECT_THAT(clip->origin().choices, HasSubstr("\"short\" (2 of 3)"));
-    EXPECT_THAT(clip->origin().takes, ElementsAre("empty", "short", "long"));
+    const auto clip = value_of(read_scene(file.text(), "test.fbx", options));
+    EXPECT_EQ(clip.frame_count(), 16);
+    EXPECT_EQ(clip.translation(15, 0), Vector3d(1, 0, 0));
+    EXPECT_THAT(clip.origin().choices, HasSubstr("\"short\" (2 of 3)"));
+    EXPECT_THAT(clip.origin().takes, ElementsAre("empty", "short", "long"));
   }
   options.take = "walk";
   const auto missing = read_scene(file.text(), "test.fbx", options);
@@ -181,19 +178,17 @@ TEST(FbxSceneTest, ReadsTheTakeThatMovesTheSkeleton) {
     for (const int limb : limbs) {
       file.keys(limb, "Lcl Rotation", {{1, {0, 0, 0}}, {3, {30, 0, 0}}});
     }
-    const auto clip = read_scene(file.text(), "test.fbx");
-    ASSERT_TRUE(clip) << clip.error().message;
-    EXPECT_THAT(clip->origin().choices, HasSubstr("\"walk\" (3 of 3)"));
-    EXPECT_EQ(clip->frame_count(), 61);
-    EXPECT_EQ(clip->skeleton().joint_count(), 12);
-    EXPECT_TRUE(clip->origin().warnings.empty());
+    const auto clip = value_of(read_scene(file.text(), "test.fbx"));
+    EXPECT_THAT(clip.origin().choices, HasSubstr("\"walk\" (3 of 3)"));
+    EXPECT_EQ(clip.frame_count(), 61);
+    EXPECT_EQ(clip.skeleton().joint_count(), 12);
+    EXPECT_TRUE(clip.origin().warnings.empty());
 
     SceneReadOptions options;
     options.take = "pose";
-    const auto pose = read_scene(file.text(), "test.fbx", options);
-    ASSERT_TRUE(pose) << pose.error().message;
-    ASSERT_EQ(pose->origin().warnings.size(), 1U);
-    EXPECT_THAT(pose->origin().warnings[0].message, HasSubstr("the take \"pose\" has no movement"));
+    const auto pose = value_of(read_scene(file.text(), "test.fbx", options));
+    ASSERT_EQ(pose.origin().warnings.size(), 1U);
+    EXPECT_THAT(pose.origin().warnings[0].message, HasSubstr("the take \"pose\" has no movement"));
     options.take = "wolk";
     EXPECT_THAT(read_scene(file.text(), "test.fbx", options).error().message,
                 HasSubstr("did you mean \"walk\""));
@@ -236,10 +231,9 @@ TEST(FbxSceneTest, ReportsFewKeysInsteadOfUnevenKeys) {
   std::string text = file.text();
   const std::string rate = "\"TimeMode\", \"enum\", \"\", \"\",6";
   text.replace(text.find(rate), rate.size(), "\"TimeMode\", \"enum\", \"\", \"\",14");
-  const auto clip = read_scene(text, "test.fbx");
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_EQ(clip->frame_count(), 1);
-  EXPECT_THAT(clip->origin().choices, ::testing::Not(HasSubstr("evenly")));
+  const auto clip = value_of(read_scene(text, "test.fbx"));
+  EXPECT_EQ(clip.frame_count(), 1);
+  EXPECT_THAT(clip.origin().choices, ::testing::Not(HasSubstr("evenly")));
 }
 
 TEST(FbxSceneTest, SamplesAtTheRequestedRate) {
@@ -249,10 +243,9 @@ TEST(FbxSceneTest, SamplesAtTheRequestedRate) {
   file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {0.4, {4, 0, 0}}, {1, {10, 0, 0}}});
   SceneReadOptions options;
   options.source_fps = 120.0;
-  const auto clip = read_scene(file.text(), "test.fbx", options);
-  ASSERT_TRUE(clip);
-  ASSERT_EQ(clip->frame_count(), 121);
-  EXPECT_NEAR(clip->translation(30, 0).x(), 2.5, 1e-9);
+  const auto clip = value_of(read_scene(file.text(), "test.fbx", options));
+  ASSERT_EQ(clip.frame_count(), 121);
+  EXPECT_NEAR(clip.translation(30, 0).x(), 2.5, 1e-9);
 }
 
 TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
@@ -288,11 +281,10 @@ TEST(FbxSceneTest, WarnsAboutNonUniformOrChangingScale) {
   file.node("Leg", root, {0, -1, 0});
   file.take("grow", 0, 1);
   file.keys(root, "Lcl Scaling", {{0, {1, 2, 1}}, {1, {2, 4, 2}}});
-  const auto clip = read_scene(file.text(), "test.fbx");
-  ASSERT_TRUE(clip) << clip.error().message;
-  ASSERT_EQ(clip->origin().warnings.size(), 2U);
-  EXPECT_THAT(clip->origin().warnings[0].message, HasSubstr("non-uniform"));
-  EXPECT_THAT(clip->origin().warnings[1].message, HasSubstr("changes during the motion"));
+  const auto clip = value_of(read_scene(file.text(), "test.fbx"));
+  ASSERT_EQ(clip.origin().warnings.size(), 2U);
+  EXPECT_THAT(clip.origin().warnings[0].message, HasSubstr("non-uniform"));
+  EXPECT_THAT(clip.origin().warnings[1].message, HasSubstr("changes during the motion"));
 }
 
 // ufbx reads a file that ends inside its last section.
@@ -338,9 +330,8 @@ TEST(FbxSceneTest, FindsTheRestPoseInAllTakes) {
     file.keys(root, "Lcl Rotation", {{0, {0, 0, 5}}, {1, {0, 0, 5}}});
     SceneReadOptions options;
     options.take = take;
-    const auto clip = read_scene(file.text(), "test.fbx", options);
-    EXPECT_TRUE(clip.has_value());
-    const AngleAxisd found(clip->rotations(0)[0]);
+    const auto clip = value_of(read_scene(file.text(), "test.fbx", options));
+    const AngleAxisd found(clip.rotations(0)[0]);
     return std::round(found.angle() * 180.0 / std::numbers::pi);
   };
   EXPECT_EQ(first_turn("A", 20), 20);
@@ -361,12 +352,11 @@ TEST(FbxSceneTest, JointsThatTranslateHaveTheirOffsetOfTheRestPose) {
   const double angle = 40.0 * std::numbers::pi / 180.0;
   file.keys(shoulder, "Lcl Translation",
             {{0, {2.2 * std::cos(angle), 0, 2.2 * std::sin(angle)}}, {1, {2.2, 0, 0}}});
-  const auto clip = read_scene(file.text(), "test.fbx");
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_TRUE(clip->skeleton().joint(1).has_position_channels());
+  const auto clip = value_of(read_scene(file.text(), "test.fbx"));
+  EXPECT_TRUE(clip.skeleton().joint(1).has_position_channels());
   // The median of the bones' lengths is between both.
-  EXPECT_LT((clip->skeleton().joint(1).offset - Vector3d(2.1, 0, 0)).norm(), 1e-6);
-  EXPECT_NEAR(clip->translation(0, 1).norm(), 2.2, 1e-6);
+  EXPECT_LT((clip.skeleton().joint(1).offset - Vector3d(2.1, 0, 0)).norm(), 1e-6);
+  EXPECT_NEAR(clip.translation(0, 1).norm(), 2.2, 1e-6);
 
   // Without a length in the rest pose, the first frame gives the offset.
   FbxText flat;
@@ -374,9 +364,8 @@ TEST(FbxSceneTest, JointsThatTranslateHaveTheirOffsetOfTheRestPose) {
   const int leg = flat.node("Leg", hips, {0, 0, 0});
   flat.take("move", 0, 1);
   flat.keys(leg, "Lcl Translation", {{0, {0, -4, 0}}, {1, {0, -5, 0}}});
-  const auto moved = read_scene(flat.text(), "flat.fbx");
-  ASSERT_TRUE(moved) << moved.error().message;
-  EXPECT_LT((moved->skeleton().joint(1).offset - Vector3d(0, -4, 0)).norm(), 1e-6);
+  const auto moved = value_of(read_scene(flat.text(), "flat.fbx"));
+  EXPECT_LT((moved.skeleton().joint(1).offset - Vector3d(0, -4, 0)).norm(), 1e-6);
 }
 
 }  // namespace

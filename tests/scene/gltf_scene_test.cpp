@@ -11,13 +11,13 @@
 #include <cstring>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "gltf_text.h"
 #include "retarget/bytes.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -29,9 +29,7 @@ using ::testing::HasSubstr;
 constexpr std::size_t kGltfMemory = std::size_t{1} << 30U;
 
 SceneGraph gltf_scene(const std::string& text) {
-  auto scene = read_gltf(text, "test.gltf", kGltfMemory);
-  EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
-  return *std::move(scene);
+  return value_of(read_gltf(text, "test.gltf", kGltfMemory));
 }
 
 std::string message_of(const std::string& text, const std::string& name = "test.gltf") {
@@ -72,10 +70,9 @@ TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
     moved.times.push_back(static_cast<float>(20.0 + frame / 30.0));
     moved.values.insert(moved.values.end(), {static_cast<float>(frame), 0, 0});
   }
-  const auto clip = read_scene(moved.text(), "test.gltf");
-  ASSERT_TRUE(clip) << clip.error().message;
-  ASSERT_EQ(clip->frame_count(), 100);
-  for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(clip->translation(frame, 0).x(), frame);
+  const auto clip = value_of(read_scene(moved.text(), "test.gltf"));
+  ASSERT_EQ(clip.frame_count(), 100);
+  for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(clip.translation(frame, 0).x(), frame);
 }
 
 TEST(GltfSceneTest, InterpolatesRotationsAlongTheShorterArc) {

@@ -95,11 +95,10 @@ TEST(KeyRateTest, FindsNoneForManualKeys) {
 }
 
 TEST(KeyRateTest, InterpolatesTheTimesOfOmittedKeys) {
-  const auto grid = grid_of_keys({1.0, 1.1, 1.2, 1.4});
-  ASSERT_TRUE(grid);
-  EXPECT_DOUBLE_EQ(grid->time_of(1), 1.1);
-  EXPECT_DOUBLE_EQ(grid->time_of(3), 1.3);
-  EXPECT_DOUBLE_EQ(grid->time_of(6), 1.6);
+  const auto grid = grid_of_keys({1.0, 1.1, 1.2, 1.4}).value();
+  EXPECT_DOUBLE_EQ(grid.time_of(1), 1.1);
+  EXPECT_DOUBLE_EQ(grid.time_of(3), 1.3);
+  EXPECT_DOUBLE_EQ(grid.time_of(6), 1.6);
 }
 
 }  // namespace

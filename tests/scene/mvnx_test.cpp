@@ -13,7 +13,8 @@
 #include "base/option_name.h"
 #include "formats/containers/file_kind.h"
 #include "retarget/pose.h"
-#include "scene_test_support.h"
+#include "support/value_of.h"
+#include "support/world_poses.h"
 
 namespace retarget {
 namespace {
@@ -78,17 +79,16 @@ TEST(MvnxTest, ReadsSegmentsAsJoints) {
   document.add("tpose", poses(0.0));
   for (const double angle : {0.0, 0.3, 0.6}) document.add("normal", poses(angle));
   ASSERT_EQ(file_type(document.text()).kind, FileKind::kMvnx);
-  const auto clip = read_mvnx(document.text(), "test.mvnx", {});
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_THAT(clip->skeleton().names(), ElementsAre("Pelvis", "L5", "Leg"));
-  EXPECT_EQ(to_text(clip->rate()), "60");
-  ASSERT_EQ(clip->frame_count(), 3);
-  EXPECT_EQ(*clip->origin().metres_per_unit, 1.0);
-  EXPECT_EQ(*clip->origin().up, Vector3d::UnitZ());
-  EXPECT_FALSE(clip->skeleton().joint(2).has_position_channels());
-  EXPECT_LT((clip->skeleton().joint(2).offset - Vector3d(0, 0.1, -0.05)).norm(), 1e-12);
+  const auto clip = value_of(read_mvnx(document.text(), "test.mvnx", {}));
+  EXPECT_THAT(clip.skeleton().names(), ElementsAre("Pelvis", "L5", "Leg"));
+  EXPECT_EQ(to_text(clip.rate()), "60");
+  ASSERT_EQ(clip.frame_count(), 3);
+  EXPECT_EQ(*clip.origin().metres_per_unit, 1.0);
+  EXPECT_EQ(*clip.origin().up, Vector3d::UnitZ());
+  EXPECT_FALSE(clip.skeleton().joint(2).has_position_channels());
+  EXPECT_LT((clip.skeleton().joint(2).offset - Vector3d(0, 0.1, -0.05)).norm(), 1e-12);
   for (int frame = 0; frame < 3; ++frame) {
-    const auto found = world_poses(*clip, frame);
+    const auto found = world_poses(clip, frame);
     const auto expected = poses(0.3 * frame);
     for (std::size_t joint = 0; joint < 3; ++joint) {
       EXPECT_LT((found[joint].translation - expected[joint].translation).norm(), 1e-12);
@@ -103,10 +103,9 @@ TEST(MvnxTest, UsesTheTposeAsZeroPose) {
   document.add("npose", poses(0.5));
   document.add("tpose", poses(0.2));
   document.add("normal", poses(0.7));
-  const auto clip = read_mvnx(document.text(), "test.mvnx", {});
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_LT(clip->rotations(0)[0].angularDistance(about_x(0.5)), 1e-9);
-  EXPECT_THAT(clip->origin().choices, HasSubstr("\"tpose\""));
+  const auto clip = value_of(read_mvnx(document.text(), "test.mvnx", {}));
+  EXPECT_LT(clip.rotations(0)[0].angularDistance(about_x(0.5)), 1e-9);
+  EXPECT_THAT(clip.origin().choices, HasSubstr("\"tpose\""));
 }
 
 TEST(MvnxTest, RejectsImpossibleValues) {
@@ -163,11 +162,10 @@ TEST(MvnxTest, RejectsMissingFrames) {
   EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("source-fps")));
   SceneReadOptions options;
   options.source_fps = 60.0;
-  const auto clip = read_mvnx(gap.text(), "test.mvnx", options);
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_EQ(clip->frame_count(), 30);
-  ASSERT_EQ(clip->origin().warnings.size(), 1U);
-  EXPECT_THAT(clip->origin().warnings[0].message, HasSubstr("frames may be missing"));
+  const auto clip = value_of(read_mvnx(gap.text(), "test.mvnx", options));
+  EXPECT_EQ(clip.frame_count(), 30);
+  ASSERT_EQ(clip.origin().warnings.size(), 1U);
+  EXPECT_THAT(clip.origin().warnings[0].message, HasSubstr("frames may be missing"));
 
   Document without_times;
   for (const int index : {0, 1, 2, 5, 6}) without_times.add_at(0, index);
@@ -183,9 +181,8 @@ TEST(MvnxTest, RejectsARateThatContradictsTheTimes) {
   EXPECT_THAT(clock_message(document), HasSubstr("states 60 fps, but the times of its frames"));
   SceneReadOptions options;
   options.source_fps = 60.0;
-  const auto clip = read_mvnx(document.text(), "test.mvnx", options);
-  ASSERT_TRUE(clip) << clip.error().message;
-  EXPECT_EQ(to_text(clip->rate()), "60");
+  const auto clip = value_of(read_mvnx(document.text(), "test.mvnx", options));
+  EXPECT_EQ(to_text(clip.rate()), "60");
 }
 
 TEST(MvnxTest, ToleratesTimesInWholeMilliseconds) {
@@ -240,18 +237,16 @@ TEST(MvnxTest, ReadsTheRequestedSubject) {
     options.take = take;
     return read_mvnx(text, "two.mvnx", options);
   };
-  const auto plain = read("");
-  ASSERT_TRUE(plain);
-  EXPECT_EQ(plain->frame_count(), 1);
-  ASSERT_EQ(plain->origin().warnings.size(), 1U);
-  EXPECT_THAT(plain->origin().warnings[0].message,
+  const auto plain = value_of(read(""));
+  EXPECT_EQ(plain.frame_count(), 1);
+  ASSERT_EQ(plain.origin().warnings.size(), 1U);
+  EXPECT_THAT(plain.origin().warnings[0].message,
               HasSubstr("the file has 2 subjects (A, B), and only"));
   for (const char* root : {"B", "2"}) {
-    const auto chosen = read(root);
-    ASSERT_TRUE(chosen) << chosen.error().message;
-    EXPECT_EQ(chosen->frame_count(), 2);
-    EXPECT_TRUE(chosen->origin().warnings.empty());
-    EXPECT_THAT(chosen->origin().choices, HasSubstr("subject 2 of 2"));
+    const auto chosen = value_of(read(root));
+    EXPECT_EQ(chosen.frame_count(), 2);
+    EXPECT_TRUE(chosen.origin().warnings.empty());
+    EXPECT_THAT(chosen.origin().choices, HasSubstr("subject 2 of 2"));
   }
   EXPECT_TRUE(read("A", "1"));
   for (const auto& wrong : {read("C"), read("3"), read("", "2")}) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "formats/scene/skeleton_shape.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -45,11 +46,10 @@ TEST(SceneSkeletonTest, ChoosesTheMovingSkeleton) {
   SceneGraph scene = scene_of_one_take();
   add_chain(scene, "statue", -1, 20, true, false);
   const int dancer = add_chain(scene, "dancer", -1, 12, true, true);
-  const auto chosen = choose_skeleton(scene, 0, "", "a.fbx");
-  ASSERT_TRUE(chosen) << chosen.error().message;
-  EXPECT_EQ(chosen->joints.front(), dancer);
-  EXPECT_EQ(chosen->joints.size(), 12U);
-  EXPECT_THAT(chosen->others, ElementsAre("statue"));
+  const auto chosen = value_of(choose_skeleton(scene, 0, "", "a.fbx"));
+  EXPECT_EQ(chosen.joints.front(), dancer);
+  EXPECT_EQ(chosen.joints.size(), 12U);
+  EXPECT_THAT(chosen.others, ElementsAre("statue"));
   EXPECT_EQ(choose_skeleton(scene, 0, "statue", "a.fbx")->joints.size(), 20U);
   const auto missing = choose_skeleton(scene, 0, "singer", "a.fbx");
   EXPECT_EQ(missing.error().kind, ErrorKind::kUsage);
@@ -88,9 +88,8 @@ TEST(SceneSkeletonTest, ChoosesBetweenEqualNamesByNumber) {
 
 // The part of the warning about a choice that names the alternatives.
 std::string told_of_others(const SceneGraph& scene, int take, const std::string& root = {}) {
-  const auto chosen = choose_skeleton(scene, take, root, "a.fbx");
-  EXPECT_TRUE(chosen);
-  return other_actors_text(scene, *chosen, take);
+  const auto chosen = value_of(choose_skeleton(scene, take, root, "a.fbx"));
+  return other_actors_text(scene, chosen, take);
 }
 
 TEST(SceneSkeletonTest, WarnsAboutASecondActorWithLessMovement) {
@@ -141,9 +140,8 @@ TEST(SceneSkeletonTest, KeepsHelpersBetweenJoints) {
   const int helper = add_chain(scene, "helper", hips + 10, 1, false, false);
   add_chain(scene, "foot", helper, 1, true, false);
   add_chain(scene, "hat", hips + 10, 1, false, false);
-  const auto chosen = choose_skeleton(scene, 0, "", "a.fbx");
-  ASSERT_TRUE(chosen);
-  EXPECT_EQ(chosen->joints.size(), 13U);
+  const auto chosen = value_of(choose_skeleton(scene, 0, "", "a.fbx"));
+  EXPECT_EQ(chosen.joints.size(), 13U);
 }
 
 TEST(SceneSkeletonTest, UsesPlainNodesWithoutLimbs) {
@@ -157,10 +155,9 @@ TEST(SceneSkeletonTest, UsesPlainNodesWithoutLimbs) {
   scene.nodes.push_back(camera);
   scene.takes[0].has_keys.push_back(false);
   scene.takes[0].moves.push_back(false);
-  const auto chosen = choose_skeleton(scene, 0, "", "a.glb");
-  ASSERT_TRUE(chosen) << chosen.error().message;
-  EXPECT_EQ(chosen->joints.front(), hips);
-  EXPECT_EQ(chosen->joints.size(), 12U);
+  const auto chosen = value_of(choose_skeleton(scene, 0, "", "a.glb"));
+  EXPECT_EQ(chosen.joints.front(), hips);
+  EXPECT_EQ(chosen.joints.size(), 12U);
 }
 
 // Adds a take in which these nodes move.
@@ -211,9 +208,7 @@ TEST(SceneSkeletonTest, PrefersTheTakeThatMovesTheBody) {
   const auto choice_of = [&](std::vector<double> lengths) {
     for (std::size_t i = 0; i < 3; ++i) scene.takes[i].end = lengths[i];
     scene.motion = std::make_unique<EndKeys>(lengths);
-    const auto choice = choose_motion(scene, "", "", false, "a.fbx");
-    EXPECT_TRUE(choice);
-    return *choice;
+    return value_of(choose_motion(scene, "", "", false, "a.fbx"));
   };
   EXPECT_EQ(choice_of({10, 5, 3}).take, 1);
   EXPECT_THAT(choice_of({10, 5, 3}).longer, ElementsAre("talk"));
@@ -250,10 +245,9 @@ SceneGraph scene_with_dummy_hips(bool moves, double leg_distance) {
 TEST(SceneSkeletonTest, HipsMayBeADummy) {
   const SceneGraph scene = scene_with_dummy_hips(true, 0.1);
   for (const char* root : {"", "hips"}) {
-    const auto chosen = choose_skeleton(scene, 0, root, "a.fbx");
-    ASSERT_TRUE(chosen) << chosen.error().message;
-    EXPECT_EQ(scene.nodes[static_cast<std::size_t>(chosen->joints.front())].name, "hips");
-    EXPECT_EQ(chosen->joints.size(), 21U);
+    const auto chosen = value_of(choose_skeleton(scene, 0, root, "a.fbx"));
+    EXPECT_EQ(scene.nodes[static_cast<std::size_t>(chosen.joints.front())].name, "hips");
+    EXPECT_EQ(chosen.joints.size(), 21U);
   }
 }
 
@@ -261,9 +255,8 @@ TEST(SceneSkeletonTest, HipsMayBeADummy) {
 TEST(SceneSkeletonTest, ArmaturesAreNotHips) {
   for (const bool moves : {false, true}) {
     const SceneGraph scene = scene_with_dummy_hips(moves, moves ? 0.9 : 0.1);
-    const auto chosen = choose_skeleton(scene, 0, "", "a.fbx");
-    ASSERT_TRUE(chosen) << chosen.error().message;
-    EXPECT_EQ(chosen->joints.size(), 12U);
+    const auto chosen = value_of(choose_skeleton(scene, 0, "", "a.fbx"));
+    EXPECT_EQ(chosen.joints.size(), 12U);
   }
 }
 
@@ -276,12 +269,11 @@ TEST(SceneSkeletonTest, DropsAStillCopyOfTheMovingBody) {
     const int moving = add_chain(scene, "ORG-hips", rig, 12, true, true);
     place_chain(scene, moving, 12, {0, 0.1, 0});
     place_chain(scene, moving, 1, place);
-    auto skeleton = choose_skeleton(scene, 0, "", "a.fbx");
-    EXPECT_TRUE(skeleton);
-    const std::size_t dropped = drop_still_copies(scene, 0, *skeleton);
-    EXPECT_EQ(skeleton->joints.size() + dropped, 25U);
-    EXPECT_EQ(dropped == 0 ? still : moving, skeleton->joints[1]);
-    return skeleton->joints.size();
+    auto skeleton = value_of(choose_skeleton(scene, 0, "", "a.fbx"));
+    const std::size_t dropped = drop_still_copies(scene, 0, skeleton);
+    EXPECT_EQ(skeleton.joints.size() + dropped, 25U);
+    EXPECT_EQ(dropped == 0 ? still : moving, skeleton.joints[1]);
+    return skeleton.joints.size();
   };
   EXPECT_EQ(kept_of({0, 0.1, 0}, false), 13U);
   // Limbs at another place, such as an arm that is held still, and joints that move.

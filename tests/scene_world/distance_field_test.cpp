@@ -14,6 +14,7 @@
 #include "scene/sample_distance.h"
 #include "scene_world/mesh_bodies.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -68,12 +69,11 @@ constexpr std::array kPrimitives = {Type::kPlane, Type::kBox, Type::kSphere, Typ
 TEST(DistanceField, IsTheDistanceToPrimitives) {
   for (const Type type : kPrimitives) {
     const SceneShape shape = shape_of(type);
-    const auto field = make_distance_field(body_of(shape));
-    ASSERT_TRUE(field);
+    const auto field = value_of(make_distance_field(body_of(shape)));
     const Pose shape_from_body = shape.body_from_shape.inverse();
     const auto directions = random_points(300, 1.0);
     for (const Vector3d& point : random_points(300, 0.8)) {
-      const auto [distance, normal] = field->at(point);
+      const auto [distance, normal] = field.at(point);
       const bool inside = contains(shape, shape_from_body * point);
       EXPECT_EQ(distance < 0.0, inside) << static_cast<int>(type);
       const Vector3d foot = point - distance * normal;
@@ -89,17 +89,16 @@ TEST(DistanceField, IsTheDistanceToPrimitives) {
 
 TEST(DistanceField, NormalsArePrimitivesGradients) {
   for (const Type type : kPrimitives) {
-    const auto field = make_distance_field(body_of(shape_of(type)));
-    ASSERT_TRUE(field);
+    const auto field = value_of(make_distance_field(body_of(shape_of(type))));
     constexpr double kStep = 1e-6;
     for (const Vector3d& point : random_points(300, 0.8)) {
-      const auto [distance, normal] = field->at(point);
+      const auto [distance, normal] = field.at(point);
       EXPECT_NEAR(normal.norm(), 1.0, 1e-12);
       if (distance < 1e-3) continue;  // Inside are edges of the gradient.
       for (int axis = 0; axis < 3; ++axis) {
         const Vector3d step = kStep * Vector3d::Unit(axis);
         EXPECT_NEAR(
-            (field->at(point + step).distance - field->at(point - step).distance) / (2.0 * kStep),
+            (field.at(point + step).distance - field.at(point - step).distance) / (2.0 * kStep),
             normal[axis], 1e-5)
             << static_cast<int>(type);
       }
@@ -111,10 +110,9 @@ TEST(DistanceField, IsDefinedAtCentres) {
   for (const Type type : kPrimitives) {
     SceneShape shape = shape_of(type);
     shape.body_from_shape = {};
-    const auto field = make_distance_field(body_of(shape));
-    ASSERT_TRUE(field);
+    const auto field = value_of(make_distance_field(body_of(shape)));
     for (const Vector3d& point : {Vector3d(0, 0, 0), Vector3d(0, 0, 0.25), Vector3d(0, 0, -0.25)}) {
-      const auto found = field->at(point);
+      const auto found = field.at(point);
       EXPECT_TRUE(std::isfinite(found.distance));
       EXPECT_NEAR(found.normal.norm(), 1.0, 1e-12);
     }
@@ -128,30 +126,28 @@ TEST(DistanceField, UsesTheNearestShape) {
     shape.body_from_shape.translation.x() = 0.5 * i - 1.0;
     body.shapes.push_back(shape);
   }
-  const auto field = make_distance_field(body);
-  ASSERT_TRUE(field);
+  const auto field = value_of(make_distance_field(body));
   for (const Vector3d& point : random_points(500, 2.0)) {
     double nearest = 1e9;
     for (const SceneShape& shape : body.shapes) {
       nearest = std::min(nearest, make_distance_field(body_of(shape))->at(point).distance);
     }
-    EXPECT_DOUBLE_EQ(field->at(point).distance, nearest);
+    EXPECT_DOUBLE_EQ(field.at(point).distance, nearest);
   }
 }
 
 TEST(DistanceField, ReportsItsReachAndLowestPoint) {
   for (const Type type : {Type::kBox, Type::kSphere, Type::kCapsule, Type::kCylinder}) {
     const SceneShape shape = shape_of(type);
-    const auto field = make_distance_field(body_of(shape));
-    ASSERT_TRUE(field);
+    const auto field = value_of(make_distance_field(body_of(shape)));
     const Eigen::Quaterniond turn = exp_so3({-1.1, 0.5, 0.2});
-    const double lowest = field->lowest(turn);
+    const double lowest = field.lowest(turn);
     const Vector3d up = turn.conjugate() * Vector3d::UnitZ();
     double found = 1e9;
     for (const Vector3d& point : random_points(20000, 1.0)) {
-      const double distance = field->at(point).distance;
-      const Vector3d surface = point - distance * field->at(point).normal;
-      EXPECT_LE(surface.norm(), field->reach() + 1e-9);
+      const double distance = field.at(point).distance;
+      const Vector3d surface = point - distance * field.at(point).normal;
+      EXPECT_LE(surface.norm(), field.reach() + 1e-9);
       found = std::min(found, up.dot(surface));
     }
     EXPECT_GE(found, lowest - 1e-9) << static_cast<int>(type);
@@ -199,16 +195,15 @@ TEST(DistanceField, BoxMeshApproximatesTheBox) {
 
 TEST(DistanceField, GivesAnOpenBoxAnInside) {
   const TriangleMesh mesh = box_mesh({0.2, 0.2, 0.2}, false);
-  const auto field = make_distance_field(body_of(mesh));
-  ASSERT_TRUE(field);
-  EXPECT_NEAR(field->at({0, 0, -0.15}).distance, -0.05, 0.003);
-  EXPECT_NEAR(field->at({0.15, 0, -0.05}).distance, -0.05, 0.003);
-  EXPECT_NEAR(field->at({0.25, 0, 0}).distance, 0.05, 0.003);
-  EXPECT_GT(field->at({0, 0, 0.35}).distance, 0.15);
+  const auto field = value_of(make_distance_field(body_of(mesh)));
+  EXPECT_NEAR(field.at({0, 0, -0.15}).distance, -0.05, 0.003);
+  EXPECT_NEAR(field.at({0.15, 0, -0.05}).distance, -0.05, 0.003);
+  EXPECT_NEAR(field.at({0.25, 0, 0}).distance, 0.05, 0.003);
+  EXPECT_GT(field.at({0, 0, 0.35}).distance, 0.15);
   // Continuous across the opening.
-  double last = field->at({0, 0, 0.0}).distance;
+  double last = field.at({0, 0, 0.0}).distance;
   for (double z = 0.0; z < 0.4; z += 0.001) {
-    const double next = field->at({0, 0, z}).distance;
+    const double next = field.at({0, 0, z}).distance;
     EXPECT_NEAR(next, last, 0.02);
     last = next;
   }
@@ -275,18 +270,17 @@ TEST(TriangleTree, AgreesWithAllTriangles) {
 
 TEST(SampleDistance, IsExactUpToAFractionOfACell) {
   const TriangleMesh mesh = ellipsoid_mesh({0.3, 0.2, 0.15});
-  const auto layout = grid_layout(mesh);
-  ASSERT_TRUE(layout);
-  const auto values = sample_distance(mesh, *layout);
+  const auto layout = value_of(grid_layout(mesh));
+  const auto values = sample_distance(mesh, layout);
   std::mt19937 random(3);
   for (int i = 0; i < 3000; ++i) {
     const auto node = random() % values.size();
-    const auto row = static_cast<std::size_t>(layout->nodes[0]);
-    const auto rows = static_cast<std::size_t>(layout->nodes[1]);
+    const auto row = static_cast<std::size_t>(layout.nodes[0]);
+    const auto rows = static_cast<std::size_t>(layout.nodes[1]);
     const Vector3d place(static_cast<double>(node % row), static_cast<double>(node / row % rows),
                          static_cast<double>(node / (row * rows)));
-    const Vector3d point = layout->origin + layout->spacing * place;
-    EXPECT_NEAR(std::abs(values[node]), distance_to(mesh, point), 0.1 * layout->spacing);
+    const Vector3d point = layout.origin + layout.spacing * place;
+    EXPECT_NEAR(std::abs(values[node]), distance_to(mesh, point), 0.1 * layout.spacing);
   }
 }
 
@@ -301,13 +295,12 @@ TEST(GridCache, KeepsGridsAndIgnoresDamagedOnes) {
   const TemporaryFolder folder;
   const std::string cache = (folder.path() / "new" / "grids").string();
   const SceneBody body = body_of(box_mesh({0.1, 0.05, 0.02}));
-  const auto first = make_distance_field(body, cache);
-  ASSERT_TRUE(first);
+  const auto first = value_of(make_distance_field(body, cache));
   std::vector<std::filesystem::path> files(std::filesystem::directory_iterator(cache), {});
   ASSERT_EQ(files.size(), 1U);
   const Vector3d point(0.07, 0.06, 0.01);
   const auto read = [&] { return make_distance_field(body, cache)->at(point).distance; };
-  EXPECT_EQ(read(), first->at(point).distance);
+  EXPECT_EQ(read(), first.at(point).distance);
 
   std::ifstream in(files[0], std::ios::binary);
   const std::string good(std::istreambuf_iterator<char>(in), {});
@@ -323,7 +316,7 @@ TEST(GridCache, KeepsGridsAndIgnoresDamagedOnes) {
     std::ofstream(files[0], std::ios::binary) << bad;
     EXPECT_FALSE(read_grid(files[0].string(), *layout));
   }
-  EXPECT_EQ(read(), first->at(point).distance);
+  EXPECT_EQ(read(), first.at(point).distance);
   // The damaged file was replaced.
   EXPECT_TRUE(read_grid(files[0].string(), *layout));
 }

@@ -13,6 +13,7 @@
 #include "scene_world/mesh_bodies.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -47,7 +48,7 @@ class LoadScene : public ::testing::Test {
 };
 
 TEST_F(LoadScene, ReadsPrimitivesFromJson) {
-  const auto scene = load("room.json", R"({"bodies": [
+  const auto scene = value_of(load("room.json", R"({"bodies": [
     {"name": "table", "position": [1, 2, 0], "quaternion": [0, 0, 0, 2], "mass": 12,
      "shapes": [{"type": "box", "size": [1, 0.6, 0.04], "position": [0, 0, 0.7]},
                 {"type": "cylinder", "radius": 0.03, "length": 0.7},
@@ -55,11 +56,10 @@ TEST_F(LoadScene, ReadsPrimitivesFromJson) {
     {"moves": true, "shapes": [{"type": "sphere", "radius": 0.1}]},
     {"name": "hill", "shapes": [{"type": "heights", "heights": [[0, 0, 0], [1, 1, 1]], "spacing": 0.5},
                                 {"type": "plane", "position": [0, 0, -1]}]},
-    {"name": "floor", "shapes": [{"type": "plane"}]}]})");
-  ASSERT_TRUE(scene) << describe(scene.error());
-  EXPECT_EQ(scene->name, "room.json");
-  ASSERT_EQ(scene->bodies.size(), 3U);
-  const SceneBody& table = scene->bodies[0];
+    {"name": "floor", "shapes": [{"type": "plane"}]}]})"));
+  EXPECT_EQ(scene.name, "room.json");
+  ASSERT_EQ(scene.bodies.size(), 3U);
+  const SceneBody& table = scene.bodies[0];
   EXPECT_EQ(table.mass, 12.0);
   EXPECT_FALSE(table.moves);
   EXPECT_EQ(table.world_from_body.rotation.z(), 1.0);
@@ -67,15 +67,14 @@ TEST_F(LoadScene, ReadsPrimitivesFromJson) {
   EXPECT_EQ(table.shapes[0].half_size, Vector3d(0.5, 0.3, 0.02));
   EXPECT_EQ(table.shapes[1].half_length, 0.35);
   EXPECT_EQ(table.shapes[2].type, Type::kCapsule);
-  EXPECT_EQ(scene->bodies[1].name, "body_1");
-  EXPECT_TRUE(scene->bodies[1].moves);
-  EXPECT_EQ(scene->find("hill"), 2);
-  EXPECT_EQ(scene->find("floor"), -1);
+  EXPECT_EQ(scene.bodies[1].name, "body_1");
+  EXPECT_TRUE(scene.bodies[1].moves);
+  EXPECT_EQ(scene.find("hill"), 2);
+  EXPECT_EQ(scene.find("floor"), -1);
   // A slope of 1 m in 0.5 m.
-  const auto field = make_distance_field(body_of(scene->bodies[2].shapes[0]));
-  ASSERT_TRUE(field);
-  EXPECT_LT(field->at({0.5, 0.25, 0.4}).distance, 0.0);
-  EXPECT_NEAR(field->at({0.5, 0.25, 0.55}).distance, 0.05 / std::sqrt(5.0), 0.002);
+  const auto field = value_of(make_distance_field(body_of(scene.bodies[2].shapes[0])));
+  EXPECT_LT(field.at({0.5, 0.25, 0.4}).distance, 0.0);
+  EXPECT_NEAR(field.at({0.5, 0.25, 0.55}).distance, 0.05 / std::sqrt(5.0), 0.002);
 }
 
 TEST_F(LoadScene, ReportsAllErrorsOfJson) {
@@ -101,9 +100,8 @@ TEST_F(LoadScene, ReportsAllErrorsOfJson) {
 TEST_F(LoadScene, ReadsMeshesOfJsonNextToIt) {
   folder_.write("cube.obj", obj_text(box_mesh({1, 1, 1})));
   const std::string start = R"({"bodies": [{"shapes": [{"type": "mesh", "file": )";
-  const auto scene = load("a.json", start + R"("cube.obj", "scale": [1, 0.5, 2]}]}]})");
-  ASSERT_TRUE(scene) << describe(scene.error());
-  EXPECT_LT((scene->bodies[0].shapes[0].half_size - Vector3d(1, 0.5, 2)).norm(), 1e-12);
+  const auto scene = value_of(load("a.json", start + R"("cube.obj", "scale": [1, 0.5, 2]}]}]})"));
+  EXPECT_LT((scene.bodies[0].shapes[0].half_size - Vector3d(1, 0.5, 2)).norm(), 1e-12);
   EXPECT_THAT(error_of("b.json", start + R"("cub.obj"}]}]})"), HasSubstr("does not exist"));
   // This file exists, but not in the folders of the scene.
   const std::string outside = error_of("c.json", start + R"("/etc/passwd"}]}]})");
@@ -156,11 +154,10 @@ TEST_F(LoadScene, RotatesColladaToZUp) {
   expect_wanted("default.dae", collada("", y_up));
   // Loaders of URDF ignore the up axis.
   folder_.write("mesh.dae", collada("<up_axis>Y_UP</up_axis>", wanted));
-  const auto robot = load("robot.urdf",
-                          R"(<robot name="r"><link name="a"><collision><geometry>
-                             <mesh filename="mesh.dae"/></geometry></collision></link></robot>)");
-  ASSERT_TRUE(robot) << describe(robot.error());
-  expect_corners(*robot);
+  const auto robot = value_of(load("robot.urdf",
+                                   R"(<robot name="r"><link name="a"><collision><geometry>
+                             <mesh filename="mesh.dae"/></geometry></collision></link></robot>)"));
+  expect_corners(robot);
 }
 
 TEST_F(LoadScene, RecognisesBoxesInMeshes) {
@@ -170,11 +167,10 @@ TEST_F(LoadScene, RecognisesBoxesInMeshes) {
   const std::string text =
       obj_text(box_mesh(half), turned) + obj_text(box_mesh({0.1, 0.1, 0.1}), {}, 9) +
       obj_text(box_mesh({0.2, 0.2, 0.2}, false), {{1, 0, 0, 0}, {3, 0, 0}}, 17);
-  const auto scene = load("boxes.obj", text);
-  ASSERT_TRUE(scene) << describe(scene.error());
-  ASSERT_EQ(scene->bodies.size(), 1U);
-  EXPECT_EQ(scene->bodies[0].name, "boxes");
-  const auto& shapes = scene->bodies[0].shapes;
+  const auto scene = value_of(load("boxes.obj", text));
+  ASSERT_EQ(scene.bodies.size(), 1U);
+  EXPECT_EQ(scene.bodies[0].name, "boxes");
+  const auto& shapes = scene.bodies[0].shapes;
   ASSERT_EQ(shapes.size(), 3U);
   ASSERT_EQ(shapes[0].type, Type::kBox);
   EXPECT_LT((shapes[0].half_size - half).norm(), 1e-6);
@@ -186,9 +182,8 @@ TEST_F(LoadScene, RecognisesBoxesInMeshes) {
 
   TriangleMesh wedge = box_mesh({0.1, 0.1, 0.1});
   wedge.vertices[7].x() -= 0.01;
-  const auto mesh = load("wedge.obj", obj_text(wedge));
-  ASSERT_TRUE(mesh);
-  EXPECT_EQ(mesh->bodies[0].shapes[0].type, Type::kMesh);
+  const auto mesh = value_of(load("wedge.obj", obj_text(wedge)));
+  EXPECT_EQ(mesh.bodies[0].shapes[0].type, Type::kMesh);
 }
 
 TEST_F(LoadScene, RejectsInvalidMeshes) {
@@ -216,19 +211,17 @@ constexpr const char* kModel =
 
 TEST_F(LoadScene, ReadsMjcf) {
   folder_.write("cube.obj", obj_text(box_mesh({1, 1, 1})));
-  const auto scene = load("m.xml", kModel);
-  ASSERT_TRUE(scene) << describe(scene.error());
-  ASSERT_EQ(scene->bodies.size(), 3U);
-  const SceneBody& world = scene->bodies[0];
+  const auto scene = value_of(load("m.xml", kModel));
+  ASSERT_EQ(scene.bodies.size(), 3U);
+  const SceneBody& world = scene.bodies[0];
   EXPECT_EQ(world.name, "world");
   ASSERT_EQ(world.shapes.size(), 2U);
   EXPECT_EQ(world.shapes[0].half_size, Vector3d(0.1, 0.2, 0.3));
-  const auto hill = make_distance_field(body_of(world.shapes[1]));
-  ASSERT_TRUE(hill);
+  const auto hill = value_of(make_distance_field(body_of(world.shapes[1])));
   // The middle of a slope from 0 at y = -2 to 0.5 at y = 2, 5 m from the origin.
-  EXPECT_NEAR(hill->at({0, 5, 0.25}).distance, 0.0, 1e-4);
+  EXPECT_NEAR(hill.at({0, 5, 0.25}).distance, 0.0, 1e-4);
 
-  const SceneBody& crate = scene->bodies[1];
+  const SceneBody& crate = scene.bodies[1];
   EXPECT_TRUE(crate.moves);
   EXPECT_EQ(crate.world_from_body.translation, Vector3d(0, 0, 1));
   ASSERT_EQ(crate.shapes.size(), 2U);
@@ -237,7 +230,7 @@ TEST_F(LoadScene, ReadsMjcf) {
   EXPECT_LT((crate.shapes[0].body_from_shape.translation - Vector3d(0, 0, 0.1)).norm(), 1e-12);
   EXPECT_LT((crate.shapes[1].body_from_shape.translation - Vector3d(0, 0, 2)).norm(), 1e-12);
 
-  const SceneBody& door = scene->bodies[2];
+  const SceneBody& door = scene.bodies[2];
   EXPECT_FALSE(door.moves);
   EXPECT_LT((door.world_from_body.translation - Vector3d(2, 1, 0)).norm(), 1e-12);
   EXPECT_NEAR(door.shapes[0].half_length, 0.5, 1e-12);
@@ -272,14 +265,13 @@ constexpr const char* kUrdf = R"(<robot name="r"><link name="world"/>
 TEST_F(LoadScene, ReadsUrdf) {
   std::filesystem::create_directory(folder_.path() / "box_models");
   folder_.write("box_models/cube.obj", obj_text(box_mesh({1, 1, 1})));
-  const auto scene = load("r.urdf", kUrdf);
-  ASSERT_TRUE(scene) << describe(scene.error());
-  ASSERT_EQ(scene->bodies.size(), 2U);
-  EXPECT_EQ(scene->bodies[0].mass, 3.0);
-  ASSERT_EQ(scene->bodies[0].shapes.size(), 1U);
-  EXPECT_EQ(scene->bodies[0].shapes[0].half_size, Vector3d(0.5, 1, 1.5));
-  EXPECT_NEAR(scene->bodies[0].shapes[0].body_from_shape.rotation.z(), std::sqrt(0.5), 1e-12);
-  const SceneBody& moving = scene->bodies[1];
+  const auto scene = value_of(load("r.urdf", kUrdf));
+  ASSERT_EQ(scene.bodies.size(), 2U);
+  EXPECT_EQ(scene.bodies[0].mass, 3.0);
+  ASSERT_EQ(scene.bodies[0].shapes.size(), 1U);
+  EXPECT_EQ(scene.bodies[0].shapes[0].half_size, Vector3d(0.5, 1, 1.5));
+  EXPECT_NEAR(scene.bodies[0].shapes[0].body_from_shape.rotation.z(), std::sqrt(0.5), 1e-12);
+  const SceneBody& moving = scene.bodies[1];
   EXPECT_EQ(moving.name, "b");
   EXPECT_TRUE(moving.moves);
   EXPECT_EQ(moving.world_from_body.translation, Vector3d(1, 1, 0));
@@ -309,11 +301,11 @@ TEST_F(LoadScene, RejectsInvalidUrdf) {
 
 TEST_F(LoadScene, GivesBodiesDifferentNames) {
   const std::string body = R"({"name": "a", "shapes": [{"type": "sphere", "radius": 1}]})";
-  const auto scene = load("a.json", "{\"bodies\": [" + body + "," + body + ", {\"name\": \"a_2\"," +
-                                        body.substr(body.find("\"shapes")) + "]}");
-  ASSERT_TRUE(scene) << describe(scene.error());
+  const auto scene =
+      value_of(load("a.json", "{\"bodies\": [" + body + "," + body + ", {\"name\": \"a_2\"," +
+                                  body.substr(body.find("\"shapes")) + "]}"));
   std::set<std::string> names;
-  for (const SceneBody& each : scene->bodies) names.insert(each.name);
+  for (const SceneBody& each : scene.bodies) names.insert(each.name);
   EXPECT_EQ(names, (std::set<std::string>{"a", "a_2", "a_3"}));
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <memory>
 #include <random>
-#include <vector>
 
 #include "retarget/scene.h"
 #include "retarget/so3.h"

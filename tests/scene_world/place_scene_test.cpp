@@ -10,6 +10,7 @@
 #include "support/npz_builder.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -45,12 +46,11 @@ void expect_frame(const Pose& pose, double frame) {
 
 TEST(PlaceScene, FollowsTheFramesOfACutAndResampledClip) {
   const ClipTimes times{{30, 1}, 20, 4, {50, 1}, 26};
-  const auto clip = place_scene(two_bodies(), std::vector{track_of(20)}, times);
-  ASSERT_TRUE(clip) << describe(clip.error());
-  EXPECT_EQ(clip->frame_count, 26);
+  const auto clip = value_of(place_scene(two_bodies(), std::vector{track_of(20)}, times));
+  EXPECT_EQ(clip.frame_count, 26);
   for (int i = 0; i < 26; ++i) {
-    expect_frame(clip->pose(i, 1), 4.0 + 0.6 * i);
-    EXPECT_EQ(clip->pose(i, 0).translation, Vector3d(5, 0, 0));
+    expect_frame(clip.pose(i, 1), 4.0 + 0.6 * i);
+    EXPECT_EQ(clip.pose(i, 0).translation, Vector3d(5, 0, 0));
   }
 }
 
@@ -58,29 +58,29 @@ TEST(PlaceScene, PlacesTheContactsThatATrackStates) {
   ObjectTrack track = track_of(20);
   track.contacts = {{"left_hand", 0, std::vector<char>(20, 0)}};
   track.contacts[0].touches[6] = track.contacts[0].touches[7] = 1;
-  const auto clip = place_scene(two_bodies(), std::vector{track}, {{30, 1}, 20, 4, {60, 1}, 12});
-  ASSERT_TRUE(clip) << describe(clip.error());
-  ASSERT_EQ(clip->contacts.size(), 1U);
-  EXPECT_EQ(clip->contacts[0].part, "left_hand");
-  EXPECT_EQ(clip->contacts[0].body, 1U);
+  const auto clip =
+      value_of(place_scene(two_bodies(), std::vector{track}, {{30, 1}, 20, 4, {60, 1}, 12}));
+  ASSERT_EQ(clip.contacts.size(), 1U);
+  EXPECT_EQ(clip.contacts[0].part, "left_hand");
+  EXPECT_EQ(clip.contacts[0].body, 1U);
   // Frames 4, 4.5, 5, ... of the track; halves count up.
-  EXPECT_EQ(clip->contacts[0].touches, (std::vector<char>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(clip.contacts[0].touches, (std::vector<char>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
 }
 
 TEST(PlaceScene, FollowsTheTimesOfATrackWithItsOwnRate) {
   const ClipTimes times{{30, 1}, 20, 4, {30, 1}, 5};
-  const auto clip = place_scene(two_bodies(), std::vector{track_of(40, FrameRate{60, 1})}, times);
-  ASSERT_TRUE(clip) << describe(clip.error());
-  for (int i = 0; i < 5; ++i) expect_frame(clip->pose(i, 1), 2.0 * (4 + i));
+  const auto clip =
+      value_of(place_scene(two_bodies(), std::vector{track_of(40, FrameRate{60, 1})}, times));
+  for (int i = 0; i < 5; ++i) expect_frame(clip.pose(i, 1), 2.0 * (4 + i));
 }
 
 TEST(PlaceScene, MovesTheOnlyBody) {
   auto scene = two_bodies();
   scene->bodies.resize(1);
-  const auto clip = place_scene(scene, std::vector{track_of(5)}, {{30, 1}, 5, 0, {30, 1}, 5});
-  ASSERT_TRUE(clip) << describe(clip.error());
-  EXPECT_TRUE(clip->scene->bodies[0].moves);
-  expect_frame(clip->pose(4, 0), 4.0);
+  const auto clip =
+      value_of(place_scene(scene, std::vector{track_of(5)}, {{30, 1}, 5, 0, {30, 1}, 5}));
+  EXPECT_TRUE(clip.scene->bodies[0].moves);
+  expect_frame(clip.pose(4, 0), 4.0);
 }
 
 TEST(PlaceScene, RejectsTracksThatDoNotMatch) {
@@ -216,11 +216,10 @@ TEST(LoadSharedTrack, StatesContactsOfHands) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const auto track =
-      load_object_track((*shared / "data/formats/omomo_sub3_largebox_003.pt").string());
-  ASSERT_TRUE(track) << describe(track.error());
-  ASSERT_EQ(track->contacts.size(), kSupportNames.size());
-  for (const StatedContact& stated : track->contacts) {
-    EXPECT_EQ(stated.touches.size(), track->world_from_body.size());
+      value_of(load_object_track((*shared / "data/formats/omomo_sub3_largebox_003.pt").string()));
+  ASSERT_EQ(track.contacts.size(), kSupportNames.size());
+  for (const StatedContact& stated : track.contacts) {
+    EXPECT_EQ(stated.touches.size(), track.world_from_body.size());
     const auto count = std::ranges::count(stated.touches, 1);
     if (stated.part.ends_with("hand")) EXPECT_GT(count, 100) << stated.part;
     if (stated.part.ends_with("knee")) EXPECT_EQ(count, 0) << stated.part;
@@ -236,11 +235,10 @@ TEST(LoadSharedTrack, RestsOnTheFloorAtFirst) {
   if (!track || !scene) GTEST_SKIP() << "the shared data have no object track";
   EXPECT_EQ(track->rate, (FrameRate{30, 1}));
   EXPECT_EQ(track->world_from_body.size(), 196U);
-  const auto field = make_distance_field(scene->bodies[0]);
-  ASSERT_TRUE(field);
+  const auto field = value_of(make_distance_field(scene->bodies[0]));
   const auto bottom = [&](std::size_t frame) {
     const Pose& pose = track->world_from_body[frame];
-    return pose.translation.z() + field->lowest(pose.rotation);
+    return pose.translation.z() + field.lowest(pose.rotation);
   };
   EXPECT_NEAR(bottom(0), 0.0, 0.02);
   EXPECT_NEAR(bottom(195), 0.0, 0.02);

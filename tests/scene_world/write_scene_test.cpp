@@ -5,7 +5,6 @@
 #include <mujoco/mujoco.h>
 
 #include <array>
-#include <fstream>
 #include <memory>
 #include <sstream>
 
@@ -14,6 +13,7 @@
 #include "retarget/scene.h"
 #include "retarget/so3.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -97,10 +97,9 @@ LoadedMjcf load_mjcf(const std::string& text) {
 TEST(WriteScene, MjcfHasRobotAndScene) {
   const RobotClip motion = made_motion(3);
   const SceneClip scene = made_scene(3);
-  const auto text = format_scene_mjcf(motion, scene);
-  ASSERT_TRUE(text) << describe(text.error());
-  EXPECT_EQ(text->find("file="), std::string::npos);
-  const LoadedMjcf loaded = load_mjcf(*text);
+  const auto text = value_of(format_scene_mjcf(motion, scene));
+  EXPECT_EQ(text.find("file="), std::string::npos);
+  const LoadedMjcf loaded = load_mjcf(text);
   ASSERT_TRUE(loaded.data);
   mjModel* model = loaded.model.get();
   mjData* data = loaded.data.get();
@@ -132,14 +131,13 @@ TEST(WriteScene, MjcfHasRobotAndScene) {
 // MuJoCo rejects limits to a single position.
 TEST(WriteScene, MjcfHasJointsThatAreLimitedToOnePosition) {
   const TemporaryFolder folder;
-  const auto robot = load_robot_files(folder.write(
+  const auto robot = value_of(load_robot_files(folder.write(
       "robot.xml",
       "<mujoco><worldbody><body><freejoint/><geom size=\"1\"/><body><joint name=\"held\" "
-      "type=\"slide\" range=\"0.25 0.25\"/><geom size=\"1\"/></body></body></worldbody></mujoco>"));
-  ASSERT_TRUE(robot) << describe(robot.error());
-  const auto text = format_scene_mjcf(RobotClip(*robot, {30, 1}, 3), made_scene(3));
-  ASSERT_TRUE(text) << describe(text.error());
-  const LoadedMjcf loaded = load_mjcf(*text);
+      "type=\"slide\" range=\"0.25 0.25\"/><geom "
+      "size=\"1\"/></body></body></worldbody></mujoco>")));
+  const auto text = value_of(format_scene_mjcf(RobotClip(robot, {30, 1}, 3), made_scene(3)));
+  const LoadedMjcf loaded = load_mjcf(text);
   ASSERT_TRUE(loaded.model);
   const int joint = mj_name2id(loaded.model.get(), mjOBJ_JOINT, "held");
   ASSERT_GE(joint, 0);
@@ -150,9 +148,8 @@ TEST(WriteScene, MjcfHasJointsThatAreLimitedToOnePosition) {
 TEST(WriteScene, MjcfHasMassesFloorAndMeshesInPlace) {
   const RobotClip motion = made_motion(3);
   const SceneClip scene = made_scene(3);
-  const auto text = format_scene_mjcf(motion, scene);
-  ASSERT_TRUE(text) << describe(text.error());
-  const LoadedMjcf loaded = load_mjcf(*text);
+  const auto text = value_of(format_scene_mjcf(motion, scene));
+  const LoadedMjcf loaded = load_mjcf(text);
   ASSERT_TRUE(loaded.data);
   const mjModel& model = *loaded.model;
   const int crate = mj_name2id(&model, mjOBJ_BODY, "crate");
@@ -188,11 +185,10 @@ TEST(WriteScene, MjcfHasMassesFloorAndMeshesInPlace) {
 TEST(WriteScene, JsonReadsBack) {
   const SceneClip scene = made_scene(3);
   const TemporaryFolder folder;
-  const auto read = load_scene(folder.write("scene.json", format_scene_json(scene)));
-  ASSERT_TRUE(read) << describe(read.error());
-  ASSERT_EQ(read->bodies.size(), 3U);
+  const auto read = value_of(load_scene(folder.write("scene.json", format_scene_json(scene))));
+  ASSERT_EQ(read.bodies.size(), 3U);
   for (std::size_t b = 0; b < 3; ++b) {
-    const SceneBody &found = read->bodies[b], &wanted = scene.scene->bodies[b];
+    const SceneBody &found = read.bodies[b], &wanted = scene.scene->bodies[b];
     EXPECT_EQ(found.name, wanted.name);
     EXPECT_EQ(found.moves, wanted.moves);
     EXPECT_EQ(found.mass, wanted.mass);
@@ -204,7 +200,7 @@ TEST(WriteScene, JsonReadsBack) {
     EXPECT_EQ(found.shapes[0].half_size, wanted.shapes[0].half_size);
   }
   const auto original = tetrahedron();
-  const TriangleMesh& mesh = *read->bodies[2].shapes[0].mesh;
+  const TriangleMesh& mesh = *read.bodies[2].shapes[0].mesh;
   EXPECT_EQ(mesh.triangles.size(), 4U);
   EXPECT_THAT(mesh.vertices, ::testing::UnorderedElementsAreArray(original->vertices));
 }
@@ -270,25 +266,22 @@ TEST(WriteScene, TracksOfObjectsReadBackFromTrackingFiles) {
   const TemporaryFolder folder;
   for (const MotionFormat format :
        {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic, MotionFormat::kNpzHolosoma}) {
-    const auto bytes = format_robot_motion(motion, format, options);
-    ASSERT_TRUE(bytes) << describe(bytes.error());
-    const std::string file = folder.write("motion.npz", *bytes);
-    const auto track = load_object_track("crate=" + file);
-    ASSERT_TRUE(track) << describe(track.error());
-    EXPECT_EQ(track->rate, (FrameRate{50, 1}));
-    ASSERT_EQ(track->world_from_body.size(), 50U);
+    const auto bytes = value_of(format_robot_motion(motion, format, options));
+    const std::string file = folder.write("motion.npz", bytes);
+    const auto track = value_of(load_object_track("crate=" + file));
+    EXPECT_EQ(track.rate, (FrameRate{50, 1}));
+    ASSERT_EQ(track.world_from_body.size(), 50U);
     // Sample 25 is frame 15.
     const Pose& wanted = options.scene->pose(15, 1);
-    EXPECT_LT((track->world_from_body[25].translation - wanted.translation).norm(), 1e-6);
-    EXPECT_LT(log_so3(track->world_from_body[25].rotation * wanted.rotation.conjugate()).norm(),
+    EXPECT_LT((track.world_from_body[25].translation - wanted.translation).norm(), 1e-6);
+    EXPECT_LT(log_so3(track.world_from_body[25].rotation * wanted.rotation.conjugate()).norm(),
               1e-6);
     const auto neither = load_object_track(file);
     ASSERT_FALSE(neither);
     EXPECT_THAT(neither.error().message, HasSubstr("crate"));
     // The robot's motion still exists.
-    const auto read = load_robot_motion(file, motion.shared_robot());
-    ASSERT_TRUE(read) << describe(read.error());
-    EXPECT_EQ(read->format, format);
+    const auto read = value_of(load_robot_motion(file, motion.shared_robot()));
+    EXPECT_EQ(read.format, format);
   }
 }
 

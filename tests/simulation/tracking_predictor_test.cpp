@@ -1,6 +1,7 @@
 // The predictor against the logistic function, and invalid files.
 
 #include "retarget/tracking_predictor.h"
+#include "support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -33,25 +34,23 @@ double logistic(double x) {
 }
 
 TEST(TrackingPredictor, IsLogistic) {
-  const auto predictor = parse_tracking_predictor(kText, "p.json");
-  ASSERT_TRUE(predictor) << predictor.error().message;
-  EXPECT_EQ(predictor->calibration.size(), 1U);
+  const auto predictor = value_of(parse_tracking_predictor(kText, "p.json"));
+  EXPECT_EQ(predictor.calibration.size(), 1U);
   for (const double bad : {0.0, 9.0, 25.0, 64.0}) {
     for (const double force : {0.0, 3.0, 50.0}) {
       const double z =
           0.5 - 1.5 * (std::sqrt(std::sqrt(bad)) - 2.0) / 4.0 - 2.0 * (force - 1.0) / 10.0;
-      const auto is = predictor->probability(report_with(bad, force));
-      ASSERT_TRUE(is);
-      EXPECT_NEAR(*is, logistic(z), 1e-12);
+      const auto is = predictor.probability(report_with(bad, force)).value();
+      EXPECT_NEAR(is, logistic(z), 1e-12);
     }
   }
   // Beyond the range the value at its end applies.
-  EXPECT_EQ(predictor->probability(report_with(100.0, 90.0)),
-            predictor->probability(report_with(64.0, 50.0)));
+  EXPECT_EQ(predictor.probability(report_with(100.0, 90.0)),
+            predictor.probability(report_with(64.0, 50.0)));
   const double none = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(predictor->probability(report_with(none, none)),
-            predictor->probability(report_with(64.0, 50.0)));
-  EXPECT_FALSE(predictor->probability(QualityReport{}));
+  EXPECT_EQ(predictor.probability(report_with(none, none)),
+            predictor.probability(report_with(64.0, 50.0)));
+  EXPECT_FALSE(predictor.probability(QualityReport{}));
 }
 
 TEST(TrackingPredictor, RejectsInvalidFiles) {

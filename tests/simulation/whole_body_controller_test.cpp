@@ -13,6 +13,7 @@
 #include "robot/robot_kinematics.h"
 #include "robot/shipped_robots.h"
 #include "simulation/standing_clip.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -27,9 +28,7 @@ Data data_of(const PhysicsModel& physics) {
 }
 
 PhysicsModel physics_of(const Robot& robot) {
-  auto physics = make_physics_model(robot, 0.002);
-  EXPECT_TRUE(physics) << physics.error().message;
-  return *std::move(physics);
+  return value_of(make_physics_model(robot, 0.002));
 }
 
 void place(const PhysicsModel& physics, const Robot& robot, const MotionState& state,

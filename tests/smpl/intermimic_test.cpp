@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "retarget/so3.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -113,10 +113,9 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
     }
   }
   // A model without betas would be another person's.
-  const Result<SmplBody> model = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
-  ASSERT_TRUE(model.has_value());
+  const auto model = value_of(read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz"));
   ArrayReadOptions options;
-  options.body = &*model;
+  options.body = &model;
   expect_same_motion(motion_of(intermimic_file(rows), options), found);
 }
 
@@ -192,10 +191,9 @@ TEST(InterMimicTest, RestOffsetsDefineTheBody) {
   EXPECT_EQ(found.clip.translation(0, 0),
             Eigen::Vector3d(parts.trans[0], parts.trans[1], parts.trans[2]));
   // Betas of the user's own model provide more information.
-  const Result<SmplBody> model = read_smpl_body(MadeUpModel(24, 3).bytes(), "smpl.npz");
-  ASSERT_TRUE(model.has_value());
+  const auto model = value_of(read_smpl_body(MadeUpModel(24, 3).bytes(), "smpl.npz"));
   ArrayReadOptions options;
-  options.body = &*model;
+  options.body = &model;
   const std::string both = with("rest_offsets", npy_doubles({24, 3}, offsets), true);
   EXPECT_NE(motion_of(both, options).height, found.height);
 
@@ -214,13 +212,12 @@ TEST(InterMimicTest, RealMotionKeepsItsPositions) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const auto motion =
-      load_smpl((*shared / "data" / "formats" / "omomo_sub3_largebox_003.pt").string());
-  ASSERT_TRUE(motion.has_value()) << describe(motion.error());
-  EXPECT_EQ(motion->clip.frame_count(), 196);
-  EXPECT_FALSE(motion->approximate_body);
+      value_of(load_smpl((*shared / "data" / "formats" / "omomo_sub3_largebox_003.pt").string()));
+  EXPECT_EQ(motion.clip.frame_count(), 196);
+  EXPECT_FALSE(motion.approximate_body);
   std::vector<Pose> poses(kSmplJointCount);
-  forward_kinematics(motion->clip, 0, poses);
-  const Skeleton& skeleton = motion->clip.skeleton();
+  forward_kinematics(motion.clip, 0, poses);
+  const Skeleton& skeleton = motion.clip.skeleton();
   const auto place = [&](const char* name) { return poses[*skeleton.find(name)].translation; };
   EXPECT_NEAR((place("left_elbow") - place("left_shoulder")).norm(), 0.288, 1e-3);
   EXPECT_GT(place("head").z(), place("pelvis").z());

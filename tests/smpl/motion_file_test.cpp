@@ -12,6 +12,7 @@
 #include "formats/containers/file_kind.h"
 #include "formats/smpl/read_smpl.h"
 #include "motion_parts.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -34,10 +35,9 @@ TEST(MotionFileTest, GvhmrResultsEqualTheNpzMotionWithYUp) {
   EXPECT_THAT(warnings_of(motion_of(parts.gvhmr(), given)), Not(HasSubstr("fps")));
 
   // The model's own pelvis position is rotated as well.
-  const Result<SmplBody> body = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
-  ASSERT_TRUE(body.has_value());
+  const auto body = value_of(read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz"));
   ArrayReadOptions options;
-  options.body = &*body;
+  options.body = &body;
   expect_same_motion(motion_of(parts.gvhmr(), options), motion_of(parts.npz(), options), 1e-15,
                      kZUpFromYUp);
 

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "formats/containers/npz.h"
@@ -14,6 +13,7 @@
 #include "smpl_test_support.h"
 #include "support/load_smpl.h"
 #include "support/torch_builder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -98,10 +98,7 @@ struct Parts {
 };
 
 inline SmplMotion motion_of(const std::string& bytes, const ArrayReadOptions& options = {}) {
-  Result<SmplMotion> motion = read_smpl(bytes, "walk", options);
-  if (motion) return *motion;
-  ADD_FAILURE() << describe(motion.error());
-  return {Clip(smpl_skeleton(generic_smpl_rest_body(1)), FrameRate{}, 0), {}, {}, {}, {}, {}, {}};
+  return value_of(read_smpl(bytes, "walk", options));
 }
 
 inline std::string error_of(const std::string& bytes) {

@@ -15,6 +15,7 @@
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -71,10 +72,7 @@ struct Amass {
 };
 
 SmplMotion amass_motion(const Amass& amass, const ArrayReadOptions& options = {}) {
-  Result<SmplMotion> motion = read_smpl(amass.bytes(), "walk.npz", options);
-  if (motion) return *motion;
-  ADD_FAILURE() << describe(motion.error());
-  return {Clip(smpl_skeleton(generic_smpl_rest_body(1)), FrameRate{}, 0), {}, {}, {}, {}, {}, {}};
+  return value_of(read_smpl(amass.bytes(), "walk.npz", options));
 }
 
 std::string amass_error(const Amass& amass, const ArrayReadOptions& options = {}) {
@@ -165,10 +163,9 @@ TEST(ReadSmpl, SmallAndFullRotationsAreExact) {
 
 TEST(ReadSmpl, UsesJointsOfTheUsersModel) {
   const MadeUpModel model(24, 3);
-  const Result<SmplBody> body = read_smpl_body(model.bytes(), "model.npz");
-  ASSERT_TRUE(body.has_value()) << describe(body.error());
+  const auto body = value_of(read_smpl_body(model.bytes(), "model.npz"));
   ArrayReadOptions options;
-  options.body = &*body;
+  options.body = &body;
   Amass amass;
   const std::vector<double> betas = {0.5, -1.0, 2.0};
   amass.with("betas", npy_doubles({3}, betas));
@@ -479,13 +476,12 @@ TEST(ReadSmpl, RealMotionsStandOnTheFloorWithZUp) {
   for (const auto& entry : std::filesystem::directory_iterator(*shared / "data" / "smpl")) {
     if (entry.path().extension() != ".npz") continue;
     SCOPED_TRACE(entry.path().filename().string());
-    const auto motion = load_smpl(entry.path().string());
-    ASSERT_TRUE(motion.has_value()) << describe(motion.error());
-    EXPECT_EQ(motion->clip.rate(), (FrameRate{30, 1}));
-    EXPECT_EQ(motion->gender, "neutral");
-    EXPECT_THAT(motion->betas, SizeIs(16));
-    EXPECT_THAT(motion->warnings, IsEmpty());
-    const Extent extent = extent_of(motion->clip);
+    const auto motion = value_of(load_smpl(entry.path().string()));
+    EXPECT_EQ(motion.clip.rate(), (FrameRate{30, 1}));
+    EXPECT_EQ(motion.gender, "neutral");
+    EXPECT_THAT(motion.betas, SizeIs(16));
+    EXPECT_THAT(motion.warnings, IsEmpty());
+    const Extent extent = extent_of(motion.clip);
     EXPECT_NEAR(extent.lowest_toes, 0.02, 0.08);
     EXPECT_NEAR(extent.mean_head, 0.362 * 1.66, 0.05);
     ++files;

@@ -10,6 +10,7 @@
 #include "retarget/clip.h"
 #include "smpl_test_support.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -102,9 +103,7 @@ TEST(SmplSkeleton, IsDepthFirstAndItsZeroPoseIsTheRestBody) {
 }
 
 SmplBody body_of(const MadeUpModel& model) {
-  const Result<SmplBody> body = read_smpl_body(model.bytes(), "model.npz");
-  EXPECT_TRUE(body.has_value()) << describe(body.error());
-  return body.value_or(SmplBody{});
+  return value_of(read_smpl_body(model.bytes(), "model.npz"));
 }
 
 TEST(SmplBody, JointsAreRegressedFromTheShapedMesh) {
@@ -203,9 +202,8 @@ TEST(SmplBody, RejectsOtherKinematicTrees) {
 TEST(SmplBody, LoadsAFile) {
   const TemporaryFolder folder;
   const std::string path = folder.write("model.npz", MadeUpModel(24, 3).bytes());
-  const Result<SmplBody> body = load_smpl_body(path);
-  ASSERT_TRUE(body.has_value()) << describe(body.error());
-  EXPECT_EQ(body->file, path);
+  const auto body = value_of(load_smpl_body(path));
+  EXPECT_EQ(body.file, path);
   const Result<SmplBody> missing = load_smpl_body(path + "x");
   ASSERT_FALSE(missing.has_value());
   EXPECT_EQ(missing.error().kind, ErrorKind::kConfig);

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "retarget/so3.h"
 #include "smpl/smpl_test_support.h"
 #include "support/load_smpl.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -34,9 +34,7 @@ std::string file_of(Arrays arrays) {
 SmplMotion motion_with_hands(const std::string& bytes, const SmplBody* body = nullptr) {
   ArrayReadOptions options;
   options.body = body;
-  auto motion = read_smpl(bytes, "fingers.npz", options);
-  EXPECT_TRUE(motion.has_value()) << (motion ? "" : describe(motion.error()));
-  return std::move(*motion);
+  return value_of(read_smpl(bytes, "fingers.npz", options));
 }
 
 // Whole poses with `hands` in the last 90 columns.
@@ -143,12 +141,10 @@ TEST(SmplFingersTest, DoNotChangeTheBody) {
 
 TEST(SmplFingersTest, UseTheBonesOfAModel) {
   const MadeUpModel model(55, 2);
-  const auto body = read_smpl_body(model.bytes(), "model.npz");
-  ASSERT_TRUE(body.has_value());
-  const SmplRestBody rest = smpl_rest_body(*body, {});
+  const auto body = value_of(read_smpl_body(model.bytes(), "model.npz"));
+  const SmplRestBody rest = smpl_rest_body(body, {});
   ASSERT_EQ(rest.hands.size(), 30U);
-  const SmplMotion motion =
-      motion_with_hands(whole(165, Numbers(7).list(kHandFrames * 90)), &*body);
+  const SmplMotion motion = motion_with_hands(whole(165, Numbers(7).list(kHandFrames * 90)), &body);
   const Skeleton& skeleton = motion.clip.skeleton();
   const Joint& index = skeleton.joint(*skeleton.find("left_index2"));
   EXPECT_LT((index.offset - (rest.hands[1] - rest.hands[0])).norm(), 1e-12);

@@ -1,4 +1,3 @@
-#include "formats/smpl/motion_arrays.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "live/stream/frame_output.h"
 #include "retarget/load.h"
 #include "support/counted_allocations.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -25,9 +25,8 @@ std::shared_ptr<const Robot> robot_of(const std::string& name, const std::string
   RobotChoice choice;
   choice.name = name;
   choice.variant = dof;
-  auto loaded = load_robot(choice, DataFolder{RETARGET_SOURCE_DIR});
-  EXPECT_TRUE(loaded) << describe(loaded.error());
-  return loaded->robot;
+  auto loaded = value_of(load_robot(choice, DataFolder{RETARGET_SOURCE_DIR}));
+  return loaded.robot;
 }
 
 // Each joint has a different position.
@@ -82,10 +81,9 @@ TEST(SonicMessages, HaveIsaacLabsOrder) {
       "right_wrist_yaw"};
   for (const char* name : {"unitree_g1", "unitree_g1_with_hands"}) {
     const auto robot = robot_of(name);
-    auto message = SonicMessage::make(*robot, kFps, {1, false});
-    ASSERT_TRUE(message) << describe(message.error());
+    auto message = value_of(SonicMessage::make(*robot, kFps, {1, false}));
     const auto qpos = numbered(*robot, 0.01);
-    const auto positions = field<float>(message->take(frame_of(0, qpos)), "joint_pos");
+    const auto positions = field<float>(message.take(frame_of(0, qpos)), "joint_pos");
     ASSERT_EQ(positions.size(), order.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
       EXPECT_EQ(positions[i], static_cast<float>(position_of(*robot, qpos, order[i]))) << order[i];
@@ -95,14 +93,13 @@ TEST(SonicMessages, HaveIsaacLabsOrder) {
 
 TEST(SonicMessages, OverlapAndHaveVelocities) {
   const auto robot = robot_of("unitree_g1");
-  auto message = SonicMessage::make(*robot, kFps, {3, false});
-  ASSERT_TRUE(message) << describe(message.error());
+  auto message = value_of(SonicMessage::make(*robot, kFps, {3, false}));
   for (std::int64_t i = 0; i < 6; ++i) {
     // A joint moves by 0.01 * its number per frame, so its speed is 50 times that.
     auto qpos = numbered(*robot, 0.01 * static_cast<double>(i));
     qpos[3] = std::cos(0.05 * static_cast<double>(i));
     qpos[6] = std::sin(0.05 * static_cast<double>(i));
-    const std::string_view bytes = message->take(frame_of(i, qpos));
+    const std::string_view bytes = message.take(frame_of(i, qpos));
     ASSERT_EQ(bytes.empty(), i < 2) << i;
     if (bytes.empty()) continue;
     EXPECT_EQ(bytes.size(), 4 + 1280 + 3 * (2 * 29 * 4 + 4 * 4 + 8));

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "live/stream/human_bones.h"
@@ -18,14 +17,13 @@
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "stream/stream_support.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
 
 Clip bones_of(const Clip& clip) {
-  auto bones = clip_of_human_bones(clip, HumanOptions{}, RETARGET_SOURCE_DIR);
-  EXPECT_TRUE(bones) << describe(bones.error());
-  return *bones;
+  return value_of(clip_of_human_bones(clip, HumanOptions{}, RETARGET_SOURCE_DIR));
 }
 
 // Converts formats with y up to z up.
@@ -42,19 +40,17 @@ struct SentBone {
 // Positions of the clip's bones against the stream's joints; rotations relative to the T-pose.
 void expect_same_world(std::string_view format, const Clip& clip, const std::vector<SentBone>& sent,
                        double metres, double radians) {
-  const auto found = find_stream_format(std::string(format));
-  ASSERT_TRUE(found);
-  const auto encoder = (*found)->encoder();
-  const auto decoder = (*found)->decoder(parse_address("udp:1").value());
+  const auto found = value_of(find_stream_format(std::string(format)));
+  const auto encoder = found->encoder();
+  const auto decoder = found->decoder(parse_address("udp:1").value());
   KeptStream kept;
   const int frames = std::min(40, clip.frame_count());
   if (const std::string header = encoder->begin(clip); !header.empty()) {
     ASSERT_TRUE(decoder->take(header, kept));
   }
   for (int frame = 0; frame < frames; ++frame) {
-    const auto bytes = encoder->frame(clip, frame);
-    ASSERT_TRUE(bytes) << describe(bytes.error());
-    const auto taken = decoder->take(*bytes, kept);
+    const auto bytes = value_of(encoder->frame(clip, frame));
+    const auto taken = decoder->take(bytes, kept);
     ASSERT_TRUE(taken) << describe(taken.error());
   }
   ASSERT_EQ(kept.skeletons.size(), 1U);
@@ -102,8 +98,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
 // Robot configurations by human time, in whole frames, for a clip played in a format; `lines` plays
 // it unchanged.
 std::map<long, std::vector<double>> followed(const Clip& given, const char* format) {
-  static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  const LoadedRobot& robot = streamed_g1();
   const StreamFormat& row = **find_stream_format(format);
   const Clip clip = row.plays_human != nullptr && row.plays_human(given) ? bones_of(given) : given;
   LivePipelineOptions options;

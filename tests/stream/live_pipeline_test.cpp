@@ -2,35 +2,27 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
-#include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "human/twins.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stats_writer.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_record.h"
 #include "retarget/human_skeleton.h"
-#include "retarget/load.h"
 #include "stream/stream_support.h"
 #include "support/lafan1_map.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
 
-const LoadedRobot& g1() {
-  static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
-  return robot;
-}
-
 struct StreamRun {
   explicit StreamRun(LivePipelineOptions options = {}, const char* format = "lines")
       : pipeline(
-            set_up_robot(g1(), options.run).value(), options,
+            set_up_robot(streamed_g1(), options.run).value(), options,
             (*find_stream_format(format))->decoder(parse_address("udp:1?fps=30").value()),
             [this](const RobotFrame& frame) {
               states.push_back(frame.state);
@@ -132,16 +124,7 @@ TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   play_clip_to(run, sample_clip("squat"), "lines");
   const std::size_t first = run.frames.size();
   // The same joints, a smaller body, and a restarted clock.
-  Clip small = sample_clip("walk");
-  std::vector<Joint> joints = small.skeleton().joints();
-  for (Joint& joint : joints) joint.offset *= 0.9;
-  Clip other(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
-  for (int frame = 0; frame < small.frame_count(); ++frame) {
-    std::ranges::copy(small.rotations(frame), other.rotations(frame).begin());
-    for (std::size_t i = 0; i < other.translations(frame).size(); ++i) {
-      other.translations(frame)[i] = 0.9 * small.translations(frame)[i];
-    }
-  }
+  const Clip other = scaled_and_turned(sample_clip("walk"), 0.9, Eigen::Quaterniond::Identity());
   play_clip_to(run, other, "lines", 20.0);
   EXPECT_EQ(run.pipeline.packets().skeletons, 2);
   EXPECT_GT(run.frames.size(), first + 400);
@@ -242,26 +225,23 @@ TEST(LivePipeline, KeepsItsBodyIfAnotherSkeletonIsRejected) {
 TEST(StreamRecord, RoundTrips) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "input.stream").string();
-  auto recorder = StreamRecorder::create(file, {});
-  ASSERT_TRUE(recorder);
-  recorder->add(StreamEvent::kNewSender, 5);
-  recorder->add(StreamEvent::kPacket, 7, std::string("a\nb\0c", 5));
-  recorder->add(StreamEvent::kEnd, 1000000);
-  ASSERT_TRUE(recorder->finish());
-  auto replay = StreamReplay::open(file);
-  ASSERT_TRUE(replay);
+  auto recorder = value_of(StreamRecorder::create(file, {}));
+  recorder.add(StreamEvent::kNewSender, 5);
+  recorder.add(StreamEvent::kPacket, 7, std::string("a\nb\0c", 5));
+  recorder.add(StreamEvent::kEnd, 1000000);
+  ASSERT_TRUE(recorder.finish());
+  auto replay = value_of(StreamReplay::open(file));
   StreamReplay::Entry entry;
-  ASSERT_TRUE(*replay->next(entry));
+  ASSERT_TRUE(*replay.next(entry));
   EXPECT_EQ(entry.event, StreamEvent::kNewSender);
-  ASSERT_TRUE(*replay->next(entry));
+  ASSERT_TRUE(*replay.next(entry));
   EXPECT_EQ(entry.bytes, std::string("a\nb\0c", 5));
   EXPECT_EQ(entry.microseconds, 7);
-  ASSERT_TRUE(*replay->next(entry));
-  EXPECT_FALSE(*replay->next(entry));
+  ASSERT_TRUE(*replay.next(entry));
+  EXPECT_FALSE(*replay.next(entry));
   for (const char* bad : {"X 1 0\n\n", "P 1\n", "P 2 99999999999\n", "P 1 5\nab\n", "P -1 0\n\n"}) {
-    auto broken = StreamReplay::open(folder.write("bad", bad));
-    ASSERT_TRUE(broken);
-    EXPECT_FALSE(broken->next(entry)) << bad;
+    auto broken = value_of(StreamReplay::open(folder.write("bad", bad)));
+    EXPECT_FALSE(broken.next(entry)) << bad;
   }
 }
 

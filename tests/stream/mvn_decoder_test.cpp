@@ -107,13 +107,6 @@ std::unique_ptr<Decoder> decoder_of(const char* address = "udp:9763?format=mvn")
   return stream_decoder("mvn", parse_address(address).value());
 }
 
-std::string mvn_refusal(Decoder& decoder, std::string_view bytes) {
-  KeptStream kept;
-  const auto taken = decoder.take(bytes, kept);
-  EXPECT_FALSE(taken);
-  return taken ? std::string() : taken.error().message;
-}
-
 void expect_frames(const KeptStream& kept, const std::vector<std::vector<Pose>>& expected) {
   ASSERT_EQ(kept.frames.size(), expected.size());
   for (std::size_t frame = 0; frame < expected.size(); ++frame) {
@@ -185,7 +178,7 @@ TEST(Mvn, AcceptsFramePartsInAnyOrder) {
   ASSERT_TRUE(decoder->take(part(1, 1, 9, 20), kept));
   // A part that never arrives costs one frame, which is reported.
   ASSERT_TRUE(decoder->take(part(2, 0, 0, 9), kept));
-  EXPECT_THAT(mvn_refusal(*decoder, part(3, 0, 0, 9)), HasSubstr("is missing"));
+  EXPECT_THAT(refusal_of(*decoder, part(3, 0, 0, 9)), HasSubstr("is missing"));
   ASSERT_TRUE(decoder->take(part(3, 0x81, 9, 23), kept));
   expect_frames(kept, {poses, poses});
 }
@@ -226,24 +219,24 @@ TEST(Mvn, RejectsMalformedPackets) {
   KeptStream kept;
   ASSERT_TRUE(decoder->take(scale_message({}, t_pose()), kept));
   const std::string good = frame_message({}, turned(0.1));
-  EXPECT_THAT(mvn_refusal(*decoder, "x"), HasSubstr("not a message"));
-  EXPECT_THAT(mvn_refusal(*decoder, "MXTP0" + good.substr(5, 3)), HasSubstr("not a message"));
-  EXPECT_THAT(mvn_refusal(*decoder, good.substr(0, 700)), HasSubstr("truncated"));
-  EXPECT_THAT(mvn_refusal(*decoder, message({"01"}, 1, std::string(28, '\0'))),
+  EXPECT_THAT(refusal_of(*decoder, "x"), HasSubstr("not a message"));
+  EXPECT_THAT(refusal_of(*decoder, "MXTP0" + good.substr(5, 3)), HasSubstr("not a message"));
+  EXPECT_THAT(refusal_of(*decoder, good.substr(0, 700)), HasSubstr("truncated"));
+  EXPECT_THAT(refusal_of(*decoder, message({"01"}, 1, std::string(28, '\0'))),
               HasSubstr("Quaternion"));
-  EXPECT_THAT(mvn_refusal(*decoder, message({"05"}, 1, std::string(32, '\0'))),
+  EXPECT_THAT(refusal_of(*decoder, message({"05"}, 1, std::string(32, '\0'))),
               HasSubstr("Quaternion"));
-  EXPECT_THAT(mvn_refusal(*decoder, message({}, 1, std::string(31, '\0'))), HasSubstr("truncated"));
-  EXPECT_THAT(mvn_refusal(*decoder, message({}, 1, pose_item(1, Pose{}))), HasSubstr("L5"));
+  EXPECT_THAT(refusal_of(*decoder, message({}, 1, std::string(31, '\0'))), HasSubstr("truncated"));
+  EXPECT_THAT(refusal_of(*decoder, message({}, 1, pose_item(1, Pose{}))), HasSubstr("L5"));
   auto poses = turned(0.1);
   poses[3].translation.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(mvn_refusal(*decoder, frame_message({}, poses)), HasSubstr("T12"));
+  EXPECT_THAT(refusal_of(*decoder, frame_message({}, poses)), HasSubstr("T12"));
   poses = turned(0.1);
   poses[6].rotation.coeffs().setZero();
-  EXPECT_THAT(mvn_refusal(*decoder, frame_message({}, poses)), HasSubstr("Head"));
+  EXPECT_THAT(refusal_of(*decoder, frame_message({}, poses)), HasSubstr("Head"));
   Header scale;
   scale.type = "13";
-  EXPECT_THAT(mvn_refusal(*decoder, message(scale, 1, big_endian(0xFFFFFFFF, 4))),
+  EXPECT_THAT(refusal_of(*decoder, message(scale, 1, big_endian(0xFFFFFFFF, 4))),
               HasSubstr("truncated"));
   // Meta data and time messages are ignored.
   EXPECT_TRUE(decoder->take(message({"12"}, 1, "name:Anna\n"), kept));
@@ -273,7 +266,7 @@ TEST(Mvn, OneWrongNumberInScaleDataIsABadPacket) {
   Header header;
   ASSERT_TRUE(without_scale->take(frame_message(header, turned(0.1)), learnt));
   header.milliseconds += 3000;
-  EXPECT_THAT(mvn_refusal(*without_scale, frame_message(header, poses)), HasSubstr("person"));
+  EXPECT_THAT(refusal_of(*without_scale, frame_message(header, poses)), HasSubstr("person"));
   ASSERT_TRUE(without_scale->take(frame_message(header, turned(0.1)), learnt));
   EXPECT_EQ(learnt.skeletons.size(), 1U);
   ASSERT_TRUE(decoder->take(frame_message({}, turned(0.4)), kept));

@@ -13,6 +13,7 @@
 #include "live/stream/stream_formats.h"
 #include "retarget/data_folder.h"
 #include "stream/stream_support.h"
+#include "support/npz_builder.h"
 
 namespace retarget {
 namespace {
@@ -20,14 +21,8 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string little_endian(std::uint64_t value, int size) {
-  std::string bytes;
-  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i));
-  return bytes;
-}
-
 std::string float_bytes(double value) {
-  return little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+  return little_endian_bytes(std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
 }
 
 std::string vector(const Eigen::Vector3d& value) {
@@ -39,8 +34,8 @@ std::string text(const std::string& value) {
 }
 
 std::string natnet_message(int type, const std::string& payload) {
-  return little_endian(static_cast<std::uint64_t>(type), 2) + little_endian(payload.size(), 2) +
-         payload;
+  return little_endian_bytes(static_cast<std::uint64_t>(type), 2) +
+         little_endian_bytes(payload.size(), 2) + payload;
 }
 
 struct Version {
@@ -56,9 +51,9 @@ std::string server_info(Version version) {
   std::string payload = text("Motive");
   payload.resize(256);
   return natnet_message(1, payload + std::string("\3\1\0\0", 4) +
-                               little_endian(static_cast<std::uint64_t>(version.major), 1) +
-                               little_endian(static_cast<std::uint64_t>(version.minor), 1) +
-                               little_endian(0, 2) + std::string(15, '\0'));
+                               little_endian_bytes(static_cast<std::uint64_t>(version.major), 1) +
+                               little_endian_bytes(static_cast<std::uint64_t>(version.minor), 1) +
+                               little_endian_bytes(0, 2) + std::string(15, '\0'));
 }
 
 struct DescribedBone {
@@ -75,60 +70,61 @@ const std::vector<DescribedBone> kBones = {{"Anna_Hip", 1, 0, {0, 0, 0}},
                                            {"Anna_Ab", 5, 1, {0, 0.09, -0.01}}};
 
 std::string bone_description(Version version, const DescribedBone& bone) {
-  std::string bytes = text(bone.name) + little_endian(static_cast<std::uint64_t>(bone.id), 4) +
-                      little_endian(static_cast<std::uint64_t>(bone.parent), 4) +
-                      vector(bone.offset);
+  std::string bytes =
+      text(bone.name) + little_endian_bytes(static_cast<std::uint64_t>(bone.id), 4) +
+      little_endian_bytes(static_cast<std::uint64_t>(bone.parent), 4) + vector(bone.offset);
   if (version.is_from(4, 2))
     bytes += float_bytes(0) + float_bytes(0) + float_bytes(0) + float_bytes(1);
   // Two markers.
-  bytes += little_endian(2, 4) + vector({1, 2, 3}) + vector({4, 5, 6}) + little_endian(7, 4) +
-           little_endian(8, 4);
+  bytes += little_endian_bytes(2, 4) + vector({1, 2, 3}) + vector({4, 5, 6}) +
+           little_endian_bytes(7, 4) + little_endian_bytes(8, 4);
   if (version.is_from(4, 0)) bytes += text("WaistL") + text("WaistR");
   return bytes;
 }
 
 std::string described(Version version, int type, const std::string& item) {
-  return little_endian(static_cast<std::uint64_t>(type), 4) +
-         (version.is_from(4, 1) ? little_endian(item.size(), 4) : "") + item;
+  return little_endian_bytes(static_cast<std::uint64_t>(type), 4) +
+         (version.is_from(4, 1) ? little_endian_bytes(item.size(), 4) : "") + item;
 }
 
 std::string skeleton_description(Version version, int id, const std::vector<DescribedBone>& bones) {
-  std::string item = text("Anna") + little_endian(static_cast<std::uint64_t>(id), 4) +
-                     little_endian(bones.size(), 4);
+  std::string item = text("Anna") + little_endian_bytes(static_cast<std::uint64_t>(id), 4) +
+                     little_endian_bytes(bones.size(), 4);
   for (const DescribedBone& bone : bones) item += bone_description(version, bone);
   return described(version, 2, item);
 }
 
 std::string models(Version version, const std::vector<DescribedBone>& bones = kBones) {
   std::string sets = described(
-      version, 0, text("all") + little_endian(2, 4) + text("Anna_WaistL") + text("Anna_WaistR"));
+      version, 0,
+      text("all") + little_endian_bytes(2, 4) + text("Anna_WaistL") + text("Anna_WaistR"));
   sets += described(version, 1, bone_description(version, {"Box", 9, -1, {0, 0, 0}}));
   sets += described(version, 3,
-                    little_endian(1, 4) + text("FP-1") + std::string(163 * 4, '\1') +
-                        little_endian(2, 4) + text("Fx") + text("Fy"));
+                    little_endian_bytes(1, 4) + text("FP-1") + std::string(163 * 4, '\1') +
+                        little_endian_bytes(2, 4) + text("Fx") + text("Fy"));
   sets += described(version, 4,
-                    little_endian(1, 4) + text("NIDAQ") + text("0815") + little_endian(0, 8) +
-                        little_endian(1, 4) + text("ai0"));
+                    little_endian_bytes(1, 4) + text("NIDAQ") + text("0815") +
+                        little_endian_bytes(0, 8) + little_endian_bytes(1, 4) + text("ai0"));
   sets += described(version, 5, text("Prime 13") + std::string(28, '\2'));
   sets += skeleton_description(version, 3, bones);
   sets += skeleton_description(version, 6, bones);
-  return natnet_message(5, little_endian(7, 4) + sets);
+  return natnet_message(5, little_endian_bytes(7, 4) + sets);
 }
 
 std::string body(int id, const Pose& pose, bool is_tracked = true) {
-  return little_endian(static_cast<std::uint64_t>(id), 4) + vector(pose.translation) +
+  return little_endian_bytes(static_cast<std::uint64_t>(id), 4) + vector(pose.translation) +
          vector(pose.rotation.vec()) + float_bytes(pose.rotation.w()) + float_bytes(0.0004) +
-         little_endian(is_tracked ? 1 : 0, 2);
+         little_endian_bytes(is_tracked ? 1 : 0, 2);
 }
 
 std::string section(Version version, int count, const std::string& items) {
-  return little_endian(static_cast<std::uint64_t>(count), 4) +
-         (version.is_from(4, 1) ? little_endian(items.size(), 4) : "") + items;
+  return little_endian_bytes(static_cast<std::uint64_t>(count), 4) +
+         (version.is_from(4, 1) ? little_endian_bytes(items.size(), 4) : "") + items;
 }
 
 std::string channels(int id) {
-  return little_endian(static_cast<std::uint64_t>(id), 4) + little_endian(2, 4) +
-         little_endian(1, 4) + float_bytes(1) + little_endian(3, 4) + float_bytes(1) +
+  return little_endian_bytes(static_cast<std::uint64_t>(id), 4) + little_endian_bytes(2, 4) +
+         little_endian_bytes(1, 4) + float_bytes(1) + little_endian_bytes(3, 4) + float_bytes(1) +
          float_bytes(2) + float_bytes(3);
 }
 
@@ -137,7 +133,8 @@ std::string frame(Version version, const std::vector<Pose>& poses, double time,
                   bool models_changed = false, bool is_tracked = true) {
   std::string skeletons;
   for (const int id : {3, 6}) {
-    skeletons += little_endian(static_cast<std::uint64_t>(id), 4) + little_endian(poses.size(), 4);
+    skeletons += little_endian_bytes(static_cast<std::uint64_t>(id), 4) +
+                 little_endian_bytes(poses.size(), 4);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       Pose pose = poses[i];
       // The second one is elsewhere.
@@ -145,21 +142,22 @@ std::string frame(Version version, const std::vector<Pose>& poses, double time,
       skeletons += body(id << 16 | kBones[i].id, pose, is_tracked);
     }
   }
-  std::string bytes = little_endian(77, 4);
-  bytes += section(version, 1, text("all") + little_endian(1, 4) + vector({1, 1, 1}));
+  std::string bytes = little_endian_bytes(77, 4);
+  bytes += section(version, 1, text("all") + little_endian_bytes(1, 4) + vector({1, 1, 1}));
   bytes += section(version, 2, vector({1, 2, 3}) + vector({3, 2, 1}));
   bytes += section(version, 1, body(9, Pose{}));
   bytes += section(version, 2, skeletons);
   if (version.is_from(4, 1)) {
-    bytes += section(version, 1, little_endian(1, 4) + little_endian(0, 8));
+    bytes += section(version, 1, little_endian_bytes(1, 4) + little_endian_bytes(0, 8));
   }
   bytes += section(version, 1, std::string(26, '\5'));
   bytes += section(version, 1, channels(1));
   bytes += section(version, 2, channels(1) + channels(2));
-  bytes += little_endian(0, 8) + little_endian(std::bit_cast<std::uint64_t>(time), 8) +
+  bytes += little_endian_bytes(0, 8) + little_endian_bytes(std::bit_cast<std::uint64_t>(time), 8) +
            std::string(24, '\6');
-  if (version.is_from(4, 1)) bytes += little_endian(0, 8);
-  return natnet_message(7, bytes + little_endian(models_changed ? 2 : 0, 2) + little_endian(0, 4));
+  if (version.is_from(4, 1)) bytes += little_endian_bytes(0, 8);
+  return natnet_message(
+      7, bytes + little_endian_bytes(models_changed ? 2 : 0, 2) + little_endian_bytes(0, 4));
 }
 
 Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
@@ -186,13 +184,6 @@ std::vector<Pose> world_poses() {
 
 std::unique_ptr<Decoder> natnet_decoder(const std::string& extras = "") {
   return stream_decoder("natnet", parse_address("udp:1511?format=natnet" + extras).value());
-}
-
-std::string natnet_refusal(Decoder& decoder, std::string_view bytes) {
-  KeptStream kept;
-  const auto taken = decoder.take(bytes, kept);
-  EXPECT_FALSE(taken);
-  return taken ? std::string() : taken.error().message;
 }
 
 // The joints of the decoder have another order: parents first.
@@ -237,7 +228,7 @@ TEST(NatNet, FollowsTheNamedSkeleton) {
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
   ASSERT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.0), kept));
   expect_world(kept, 0, world_poses(), 5.0);
-  EXPECT_THAT(natnet_refusal(*natnet_decoder("&actor=8&version=4.1"), models({4, 1})),
+  EXPECT_THAT(refusal_of(*natnet_decoder("&actor=8&version=4.1"), models({4, 1})),
               HasSubstr("skeleton 8"));
 }
 
@@ -299,16 +290,17 @@ TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
   }
   const auto skeleton = std::make_shared<const Skeleton>(joints);
   const auto in_order = [](const std::vector<Pose>& poses) {
-    std::string bones = little_endian(3, 4) + little_endian(5, 4);
+    std::string bones = little_endian_bytes(3, 4) + little_endian_bytes(5, 4);
     for (const std::size_t i : {0UL, 2UL, 3UL, 1UL, 4UL}) bones += body(kBones[i].id, poses[i]);
-    std::string bytes = little_endian(1, 4) + std::string(12, '\0') + little_endian(1, 4) + bones;
-    bytes += std::string(12, '\0') + little_endian(0, 8) +
-             little_endian(std::bit_cast<std::uint64_t>(2.0), 8) + std::string(30, '\0');
+    std::string bytes =
+        little_endian_bytes(1, 4) + std::string(12, '\0') + little_endian_bytes(1, 4) + bones;
+    bytes += std::string(12, '\0') + little_endian_bytes(0, 8) +
+             little_endian_bytes(std::bit_cast<std::uint64_t>(2.0), 8) + std::string(30, '\0');
     return natnet_message(7, bytes);
   };
   for (const bool local : {false, true}) {
     const auto decoder = natnet_decoder("&version=3.1");
-    EXPECT_THAT(natnet_refusal(*decoder, in_order(world_poses())), HasSubstr("not described"));
+    EXPECT_THAT(refusal_of(*decoder, in_order(world_poses())), HasSubstr("not described"));
     decoder->know_skeleton(skeleton);
     KeptStream kept;
     ASSERT_TRUE(decoder->take(in_order(local ? local_poses() : world_poses()), kept));
@@ -327,24 +319,24 @@ TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
   decoder->know_skeleton(skeleton);
   auto stretched = local_poses();
   for (auto& pose : stretched) pose.translation = pose.translation * 1.9 + Eigen::Vector3d(1, 0, 1);
-  EXPECT_THAT(natnet_refusal(*decoder, in_order(stretched)),
+  EXPECT_THAT(refusal_of(*decoder, in_order(stretched)),
               HasSubstr("do not match the skeleton file"));
   joints.pop_back();
   decoder->know_skeleton(std::make_shared<const Skeleton>(joints));
-  EXPECT_THAT(natnet_refusal(*decoder, in_order(world_poses())), HasSubstr("4 joints"));
+  EXPECT_THAT(refusal_of(*decoder, in_order(world_poses())), HasSubstr("4 joints"));
 }
 
 TEST(NatNet, RejectsMalformedPackets) {
   const auto decoder = natnet_decoder();
   KeptStream kept;
-  EXPECT_THAT(natnet_refusal(*decoder, "abc"), HasSubstr("not a NatNet message"));
-  EXPECT_THAT(natnet_refusal(*decoder, natnet_message(55, "")), HasSubstr("not a NatNet message"));
-  EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
-  EXPECT_THAT(natnet_refusal(*decoder, models({4, 1})), HasSubstr("version"));
-  EXPECT_THAT(natnet_refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
-  EXPECT_THAT(natnet_refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("truncated"));
+  EXPECT_THAT(refusal_of(*decoder, "abc"), HasSubstr("not a NatNet message"));
+  EXPECT_THAT(refusal_of(*decoder, natnet_message(55, "")), HasSubstr("not a NatNet message"));
+  EXPECT_THAT(refusal_of(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
+  EXPECT_THAT(refusal_of(*decoder, models({4, 1})), HasSubstr("version"));
+  EXPECT_THAT(refusal_of(*decoder, server_info({2, 10})), HasSubstr("3.0"));
+  EXPECT_THAT(refusal_of(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("truncated"));
   ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
-  EXPECT_THAT(natnet_refusal(*decoder, natnet_message(5, little_endian(0, 4))),
+  EXPECT_THAT(refusal_of(*decoder, natnet_message(5, little_endian_bytes(0, 4))),
               HasSubstr("no skeleton: enable"));
   const auto with = [](int bone, int id, int parent) {
     auto bones = kBones;
@@ -352,16 +344,16 @@ TEST(NatNet, RejectsMalformedPackets) {
     bones[static_cast<std::size_t>(bone)].parent = parent;
     return models({4, 1}, bones);
   };
-  EXPECT_THAT(natnet_refusal(*decoder, with(4, 2, 1)), HasSubstr("same ID"));
-  EXPECT_THAT(natnet_refusal(*decoder, with(4, 5, 0)), HasSubstr("no parent"));
-  EXPECT_THAT(natnet_refusal(*decoder, with(0, 1, 4)), HasSubstr("without a valid parent"));
+  EXPECT_THAT(refusal_of(*decoder, with(4, 2, 1)), HasSubstr("same ID"));
+  EXPECT_THAT(refusal_of(*decoder, with(4, 5, 0)), HasSubstr("no parent"));
+  EXPECT_THAT(refusal_of(*decoder, with(0, 1, 4)), HasSubstr("without a valid parent"));
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
   auto poses = world_poses();
   poses[2].translation.y() = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("pose"));
+  EXPECT_THAT(refusal_of(*decoder, frame({4, 1}, poses, 1)), HasSubstr("pose"));
   poses = world_poses();
   poses.pop_back();
-  EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("Ab"));
+  EXPECT_THAT(refusal_of(*decoder, frame({4, 1}, poses, 1)), HasSubstr("Ab"));
   for (const Version version : kVersions) {
     const auto other = natnet_decoder();
     ASSERT_TRUE(other->take(server_info(version), kept));
@@ -369,7 +361,7 @@ TEST(NatNet, RejectsMalformedPackets) {
     const std::string good = frame(version, world_poses(), 1);
     for (std::size_t size = 4; size + 40 < good.size(); size += 3) {
       std::string bytes = good.substr(0, size);
-      bytes.replace(2, 2, little_endian(size - 4, 2));
+      bytes.replace(2, 2, little_endian_bytes(size - 4, 2));
       EXPECT_FALSE(other->take(bytes, kept)) << size;
     }
   }

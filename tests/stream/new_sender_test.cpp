@@ -14,18 +14,12 @@
 #include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stream_formats.h"
-#include "retarget/load.h"
 #include "retarget/resample.h"
 #include "stream/stream_support.h"
+#include "support/with_joints.h"
 
 namespace retarget {
 namespace {
-
-const LoadedRobot& sent_robot() {
-  static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
-  return robot;
-}
 
 struct SentFrame {
   double time;
@@ -37,7 +31,7 @@ struct SentFrame {
 struct SentStream {
   explicit SentStream(LivePace pace, const char* address = "udp:1?format=lines")
       : pipeline(
-            set_up_robot(sent_robot(), {}).value(), options(pace),
+            set_up_robot(streamed_g1(), {}).value(), options(pace),
             (*find_stream_format(parse_address(address)->format))
                 ->decoder(parse_address(address).value()),
             [this](const RobotFrame& frame) {
@@ -79,7 +73,7 @@ std::vector<std::string> sent_lines(const Clip& clip, Encoder& encoder) {
 
 // The frames of a session that gets the clip's frames at their times.
 std::vector<SentFrame> frames_of_session(const Clip& clip) {
-  const Plan plan = make_plan(clip, sent_robot()).value();
+  const Plan plan = make_plan(clip, streamed_g1()).value();
   LiveSession session = LiveSession::make(plan).value();
   LivePoser poser(plan);
   std::vector<SentFrame> frames;
@@ -248,16 +242,7 @@ TEST(InputPace, NamesTheMemberForTheTimesOfLines) {
 
 // The same skeleton in another unit: the robot would leap by a hundred times the human's distance.
 Clip in_millimetres(const Clip& clip) {
-  std::vector<Joint> joints = clip.skeleton().joints();
-  for (Joint& joint : joints) joint.offset *= 10.0;
-  Clip scaled(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(clip.rotations(frame), scaled.rotations(frame).begin());
-    for (std::size_t i = 0; i < clip.translations(frame).size(); ++i) {
-      scaled.translations(frame)[i] = 10.0 * clip.translations(frame)[i];
-    }
-  }
-  return scaled;
+  return scaled_and_turned(clip, 10.0, Eigen::Quaterniond::Identity());
 }
 
 double farthest_root(const SentStream& run) {
@@ -350,11 +335,7 @@ TEST(NewSender, IsCalibratedByItsFirstFrame) {
 Clip with_a_prop(const Clip& clip) {
   std::vector<Joint> joints = clip.skeleton().joints();
   joints.push_back({"Prop", 0, Eigen::Vector3d(0.1, 0.0, 0.0), {}, joints.back().channels});
-  Clip made(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    std::ranges::copy(clip.rotations(frame), made.rotations(frame).begin());
-    std::ranges::copy(clip.translations(frame), made.translations(frame).begin());
-  }
+  Clip made = with_joints(clip, joints);
   made.set_origin(clip.origin());
   return made;
 }
@@ -439,7 +420,7 @@ TEST(NewSender, MalformedPacketsReadSkeletonsAgainAFewTimesPerSecond) {
   int skeletons = 0;
   const Clip clip = sample_clip("walk"), next = with_a_prop(clip);
   LivePipeline pipeline(
-      set_up_robot(sent_robot(), {}).value(), SentStream::options(LivePace::kClock),
+      set_up_robot(streamed_g1(), {}).value(), SentStream::options(LivePace::kClock),
       std::make_unique<CountingDecoder>(skeletons), [](const RobotFrame&) {},
       [](std::string_view, std::string_view) {});
   const auto encoder = stream_encoder("lines");

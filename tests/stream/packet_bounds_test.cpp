@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <ctime>
 #include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -142,11 +141,6 @@ TEST(PacketBounds, RejectTooManyLinesEarly) {
                "betas");
 }
 
-std::string padded_text(std::string text) {
-  text.append(4 - text.size() % 4, '\0');
-  return text;
-}
-
 std::string repeated_bundle(const std::string& message) {
   std::string item = std::string(3, '\0') + static_cast<char>(message.size()) + message;
   return std::string("#bundle\0\0\0\0\0\0\0\0\1", 16) + repeated(item, kDatagram);
@@ -154,15 +148,15 @@ std::string repeated_bundle(const std::string& message) {
 
 TEST(PacketBounds, RejectOscBundlesEarly) {
   const auto decoder = stream_decoder("vmc");
-  const std::string hips = padded_text("/VMC/Ext/Bone/Pos") + padded_text(",sfffffff") +
-                           padded_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
+  const std::string hips = osc_text("/VMC/Ext/Bone/Pos") + osc_text(",sfffffff") +
+                           osc_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
                            std::string(2, '\0');
   Counted counted;
   const auto refused = decoder->take(repeated_bundle(hips), counted);
   ASSERT_FALSE(refused);
   EXPECT_LE(counted.frames, 8);
   expect_cheap(*decoder, repeated_bundle(hips), "the same bone again and again");
-  expect_cheap(*decoder, repeated_bundle(padded_text("/a")), "short messages");
+  expect_cheap(*decoder, repeated_bundle(osc_text("/a")), "short messages");
 }
 
 TEST(PacketBounds, RejectHierarchiesEarly) {

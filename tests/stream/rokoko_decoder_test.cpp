@@ -9,7 +9,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "live/stream/live_pipeline.h"
@@ -111,8 +110,7 @@ std::string refusal(const std::string& bytes, const std::string& address = "udp:
 }
 
 TEST(Rokoko, LeftArmDrivesTheLeftArm) {
-  const LoadedRobot loaded =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  const LoadedRobot& loaded = streamed_g1();
   const Robot& robot = *loaded.robot;
   LivePipelineOptions options;
   std::vector<double> qpos;

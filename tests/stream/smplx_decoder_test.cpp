@@ -7,14 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "formats/smpl/smpl_body.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
 #include "support/load_smpl.h"
 #include "support/npz_builder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -70,8 +69,7 @@ void expect_same(const StreamFrame& frame, const Clip& clip, int index, double t
 
 TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   const Motion motion;
-  const auto read = read_smpl(motion.npz(), "motion.npz");
-  ASSERT_TRUE(read) << describe(read.error());
+  const auto read = value_of(read_smpl(motion.npz(), "motion.npz"));
   const auto decoder = stream_decoder("smplx");
   KeptStream kept;
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
@@ -80,38 +78,37 @@ TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   // The body is described once, although every line has its betas.
   ASSERT_EQ(kept.skeletons.size(), 1U);
   const Skeleton& skeleton = kept.skeletons[0].skeleton();
-  EXPECT_EQ(skeleton.names(), read->clip.skeleton().names());
+  EXPECT_EQ(skeleton.names(), read.clip.skeleton().names());
   EXPECT_NEAR(*kept.skeletons[0].origin().body_height, 1.73, 1e-12);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
-    EXPECT_EQ(skeleton.joint(joint).offset, read->clip.skeleton().joint(joint).offset);
+    EXPECT_EQ(skeleton.joint(joint).offset, read.clip.skeleton().joint(joint).offset);
   }
   ASSERT_EQ(kept.frames.size(), Motion::kFrames);
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
-    expect_same(kept.frames[frame], read->clip, static_cast<int>(frame), 0.0);
+    expect_same(kept.frames[frame], read.clip, static_cast<int>(frame), 0.0);
     EXPECT_EQ(kept.frames[frame].time, static_cast<double>(frame) / 30.0);
   }
 }
 
 TEST(SmplxLines, PlayAFileUnchanged) {
-  const auto read = read_smpl(Motion().npz(), "motion.npz");
-  ASSERT_TRUE(read);
-  ASSERT_FALSE(format_of("smplx").plays_human(read->clip));
+  const auto read = value_of(read_smpl(Motion().npz(), "motion.npz"));
+  ASSERT_FALSE(format_of("smplx").plays_human(read.clip));
   const auto encoder = stream_encoder("smplx");
   const auto decoder = stream_decoder("smplx");
   KeptStream kept;
-  std::string header = encoder->begin(read->clip);
+  std::string header = encoder->begin(read.clip);
   ASSERT_TRUE(decoder->take(header, kept));
   ASSERT_EQ(kept.skeletons.size(), 1U);
   const Skeleton& skeleton = kept.skeletons[0].skeleton();
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
-    EXPECT_LT((skeleton.joint(joint).offset - read->clip.skeleton().joint(joint).offset).norm(),
+    EXPECT_LT((skeleton.joint(joint).offset - read.clip.skeleton().joint(joint).offset).norm(),
               1e-12);
     const auto& tips = skeleton.joint(joint).end_sites;
-    ASSERT_EQ(tips.size(), read->clip.skeleton().joint(joint).end_sites.size());
+    ASSERT_EQ(tips.size(), read.clip.skeleton().joint(joint).end_sites.size());
   }
-  for (int frame = 0; frame < read->clip.frame_count(); ++frame) {
-    ASSERT_TRUE(decoder->take(encoder->frame(read->clip, frame).value(), kept));
-    expect_same(kept.frames.back(), read->clip, frame, 1e-7);
+  for (int frame = 0; frame < read.clip.frame_count(); ++frame) {
+    ASSERT_TRUE(decoder->take(encoder->frame(read.clip, frame).value(), kept));
+    expect_same(kept.frames.back(), read.clip, frame, 1e-7);
   }
 }
 

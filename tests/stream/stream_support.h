@@ -57,6 +57,26 @@ class KeptStream final : public StreamSink {
   std::vector<StreamFrame> frames;
 };
 
+/// The message with which a decoder rejects a packet.
+inline std::string refusal_of(Decoder& decoder, std::string_view bytes) {
+  KeptStream kept;
+  const auto taken = decoder.take(bytes, kept);
+  EXPECT_FALSE(taken);
+  return taken ? std::string() : taken.error().message;
+}
+
+/// A text of an OSC packet.
+inline std::string osc_text(std::string text) {
+  text.append(4 - text.size() % 4, '\0');
+  return text;
+}
+
+inline const LoadedRobot& streamed_g1() {
+  static const LoadedRobot robot =
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  return robot;
+}
+
 inline Clip sample_clip(const std::string& name) {
   return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
 }

@@ -6,15 +6,14 @@
 #include <bit>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "live/stream/live_pipeline.h"
 #include "live/stream/osc.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/load.h"
-#include "retarget/pose.h"
 #include "stream/stream_support.h"
+#include "support/value_of.h"
 
 namespace retarget {
 namespace {
@@ -23,11 +22,6 @@ std::string big_endian_word(std::uint32_t value) {
   std::string bytes;
   for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
   return bytes;
-}
-
-std::string osc_text(std::string text) {
-  text.append(4 - text.size() % 4, '\0');
-  return text;
 }
 
 std::string osc_message(const std::string& address, const std::string& name,
@@ -92,8 +86,7 @@ std::vector<std::string> messages_of(const std::vector<VmcBone>& bones, float ti
 
 // The robot's last frame after two seconds of a pose, with one bundle per frame or single messages.
 std::vector<double> followed_bones(const std::vector<VmcBone>& bones, bool bundles, int* frames) {
-  const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  const LoadedRobot& robot = streamed_g1();
   LivePipelineOptions options;
   std::vector<double> last;
   *frames = 0;
@@ -129,8 +122,7 @@ TEST(Vmc, LeftArmDrivesTheLeftArm) {
     int frames = 0;
     const std::vector<double> qpos = followed_bones(bones, bundles, &frames);
     EXPECT_NEAR(frames, 97, 4) << bundles;
-    const LoadedRobot loaded =
-        load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+    const LoadedRobot& loaded = streamed_g1();
     // The avatar faces its z, which is -y here, so its left is x.
     expect_left_arm_down(*loaded.robot, qpos);
   }
@@ -164,13 +156,12 @@ TEST(Osc, KeepsTheOrderOfTextsAndNumbers) {
                             std::string("\x40\x00\0\0\0\0\0\0", 8);
   // The messages point into the bundle.
   const std::string bundle = bundle_of({bytes, osc_text("/b")});
-  const auto messages = read_osc(bundle);
-  ASSERT_TRUE(messages);
-  ASSERT_EQ(messages->size(), 2U);
-  EXPECT_EQ((*messages)[0].address, "/a");
-  EXPECT_THAT((*messages)[0].texts, testing::ElementsAre("word"));
-  EXPECT_THAT((*messages)[0].numbers, testing::ElementsAre(-2.0, 0.5, 2.0));
-  EXPECT_EQ((*messages)[1].address, "/b");
+  const auto messages = value_of(read_osc(bundle));
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[0].address, "/a");
+  EXPECT_THAT(messages[0].texts, testing::ElementsAre("word"));
+  EXPECT_THAT(messages[0].numbers, testing::ElementsAre(-2.0, 0.5, 2.0));
+  EXPECT_EQ(messages[1].address, "/b");
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -168,8 +167,7 @@ TEST(Xrobot, ReadsTheClientsObjects) {
 }
 
 TEST(Xrobot, LeftArmDrivesTheLeftArm) {
-  const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
+  const LoadedRobot& robot = streamed_g1();
   LivePipelineOptions options;
   std::vector<double> last;
   std::string told;

@@ -13,17 +13,17 @@
 #include <utility>
 
 #include "formats/bvh/read_bvh.h"
-#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
 inline Clip sample_clip(const std::string& name) {
-  auto clip = load_bvh((std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name).string());
-  EXPECT_TRUE(clip.has_value());
-  return std::move(clip->clip);
+  auto clip =
+      value_of(load_bvh((std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name).string()));
+  return std::move(clip.clip);
 }
 
 // Directions of the upper arms, degrees: elevation from the horizontal, outwards from the front;
@@ -110,12 +110,9 @@ struct RobotCase {
 
 inline RobotCase robot_case(const std::string& name) {
   const auto folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / name;
-  const auto robot =
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
-  EXPECT_TRUE(robot.has_value());
-  const auto config = load_config((folder / "ik.json").string(), **robot);
-  EXPECT_TRUE(config.has_value());
-  return {*robot, *config};
+  const auto robot = load_robot_in(folder);
+  const auto config = value_of(load_config((folder / "ik.json").string(), *robot));
+  return {robot, config};
 }
 
 inline Result<FitResult> fitted(const Clip& clip, const RobotCase& robot,

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>

@@ -7,6 +7,7 @@
 #include "retarget/load_robot.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
@@ -140,15 +141,6 @@ inline std::string grippers() {
   };
   std::string text = humanoid_with_hands(hand);
   return text.insert(text.find("</mujoco>"), "<equality>" + ties + "</equality>");
-}
-
-/// Loads a robot of the repository by name.
-inline std::shared_ptr<const Robot> load_shipped_robot(const std::string& name) {
-  const auto folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / name;
-  const auto robot =
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
-  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
-  return robot ? *robot : nullptr;
 }
 
 }  // namespace retarget

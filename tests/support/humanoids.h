@@ -1,11 +1,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <string>
-#include <vector>
 
-#include "robot/anatomy/limbs.h"
 #include "support/test_robots.h"
 
 namespace retarget {

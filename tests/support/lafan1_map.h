@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "human/skeleton/human_clip.h"
+#include "human/skeleton/calibrate.h"
 #include "retarget/clip.h"
 #include "retarget/human_skeleton.h"
 
@@ -25,6 +25,10 @@ inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& profile) 
 inline Calibration lafan1_calibration(const Skeleton& skeleton) {
   const BoneMap map = lafan1_map(skeleton, "lafan1");
   return lafan1_calibration(map.joint_of_bone, map.joint_of_bone);
+}
+
+inline HumanClip lafan1_human(const Clip& clip) {
+  return to_human(clip, lafan1_calibration(clip.skeleton()));
 }
 
 }  // namespace retarget

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "retarget/bvh.h"
+#include "formats/bvh/read_bvh.h"
 #include "retarget/clip.h"
 
 namespace retarget {

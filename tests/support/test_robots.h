@@ -9,32 +9,30 @@
 #include "retarget/load_robot.h"
 #include "retarget/retargeting_config.h"
 #include "support/temporary_folder.h"
+#include "support/value_of.h"
 
 namespace retarget {
 
 /// Loads a robot from MJCF text.
 inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
   const TemporaryFolder folder;
-  const auto robot = load_robot_files(folder.write("robot.xml", mjcf));
-  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
-  return robot ? *robot : nullptr;
+  return value_of(load_robot_files(folder.write("robot.xml", mjcf)));
+}
+
+/// Loads a robot's folder.
+inline std::shared_ptr<const Robot> load_robot_in(const std::filesystem::path& folder) {
+  return value_of(
+      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
 }
 
 /// Loads the repository's Unitree G1 with its profile.
 inline std::shared_ptr<const Robot> load_g1() {
-  const std::filesystem::path folder =
-      std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / "unitree_g1";
-  const auto robot =
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
-  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
-  return robot ? *robot : nullptr;
+  return load_robot_in(RETARGET_SOURCE_DIR "/robots/unitree_g1");
 }
 
 /// Loads the G1's published retargeting configuration for LAFAN1.
 inline ResolvedConfig published_config(const Robot& g1) {
-  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", g1);
-  EXPECT_TRUE(config.has_value()) << (config ? "" : describe(config.error()));
-  return config.value_or(ResolvedConfig());
+  return value_of(load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", g1));
 }
 
 /// Two arms on a floating base, with hinges about different axes, an anchor off the origin, a slide

@@ -5,9 +5,7 @@
 
 #include <cstddef>
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "retarget/view.h"
 #include "view/page_data.h"

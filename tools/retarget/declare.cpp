@@ -1,11 +1,8 @@
 // Declares the default command and the commands that process its results.
 
-#include <string>
-#include <utility>
-
+#include "declare.h"
 #include "argument_tables.h"
 #include "arguments.h"
-#include "declare.h"
 #include "declare_table.h"
 #include "retarget/option_table.h"
 

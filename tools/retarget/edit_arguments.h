@@ -1,11 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "arguments.h"
-#include "retarget/edit.h"
 #include "retarget/edit_tables.h"
 #include "retarget/options.h"
 

@@ -12,7 +12,6 @@
 #include "declare_table.h"
 #include "edit_arguments.h"
 #include "retarget/batch.h"
-#include "retarget/edit.h"
 #include "retarget/live_table.h"
 #include "retarget/option_table.h"
 #include "retarget/serve_table.h"

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
 #include "retarget/file.h"
-#include "retarget/options.h"
 #include "retarget/rig.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"

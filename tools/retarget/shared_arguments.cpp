@@ -6,7 +6,6 @@
 
 #include "retarget/file.h"
 #include "retarget/load.h"
-#include "retarget/motion_io.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"

@@ -6,7 +6,6 @@
 #include "app/options/checked_text.h"
 #include "app/options/scene_options.h"
 #include "base/option_name.h"
-#include "base/try.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/option_table.h"
 #include "retarget/reference.h"

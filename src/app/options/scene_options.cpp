@@ -1,11 +1,9 @@
 #include "app/options/scene_options.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string_view>
-#include <vector>
 
 #include "app/options/checked_text.h"
 #include "base/option_name.h"

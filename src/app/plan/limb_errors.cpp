@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/robot.h"
 #include "retarget/so3.h"
 #include "solve/targets/limb_lengths.h"

@@ -15,7 +15,6 @@
 #include "formats/registry/format.h"
 #include "human/skeleton/bone_map.h"
 #include "human/skeleton/calibrate.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
 #include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"

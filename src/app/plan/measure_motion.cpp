@@ -8,7 +8,6 @@
 #include "app/plan/motion_target.h"
 #include "app/plan/surroundings.h"
 #include "base/try.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/source_hands.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"

@@ -10,7 +10,6 @@
 #include "base/try.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/surface_contacts.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/contact_plan.h"
 #include "retarget/human.h"
 #include "retarget/motion_io.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -16,9 +15,7 @@
 #include "retarget/options.h"
 #include "retarget/robot.h"
 #include "retarget/run.h"
-#include "retarget/scene.h"
 #include "retarget/solve.h"
-#include "retarget/solved_scene.h"
 
 namespace retarget {
 

@@ -110,7 +110,6 @@ bool is_of_known_kind(std::string_view ending) {
          std::ranges::find(kShownEndings, ending) != std::end(kShownEndings);
 }
 
-// Names of the formats with this ending.
 std::string formats_ending_in(std::string_view ending) {
   std::vector<std::string> names;
   for (const Format& format : all_formats()) {

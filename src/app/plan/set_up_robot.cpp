@@ -13,7 +13,6 @@
 #include "base/faults.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/human.h"
@@ -87,6 +86,23 @@ bool is_given(const SolveOptions& options, const char* name) {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Sets the options of the fit that a preset (SolveOptions::purpose) chooses. Options that
+// SolveOptions::fit changes are kept. The options file and terms given by name are applied
+// afterwards and take precedence.
+void apply_preset(const SolveOptions& options, FitOptions& fit) {
+  if (options.purpose != Purpose::kTracking) return;
+  const FitOptions usual;
+  for (const auto& [name, weight, factor] : kTrackingFactors) {
+    if (!is_given(options, name) && options.fit.*weight == usual.*weight) fit.*weight *= factor;
+  }
+  // Also in a scene and for the motion of a robot.
+  if (options.fit.dynamics && !is_given(options, "dynamics")) fit.dynamics = true;
+}
+
+}  // namespace
+
 Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
   const SolveOptions& solve = options.solve;
   fit.decimals = options.save.precision;  // The limits hold for the written values.
@@ -150,16 +166,6 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   }
   setup.loaded = std::move(loaded);
   return setup;
-}
-
-void apply_preset(const SolveOptions& options, FitOptions& fit) {
-  if (options.purpose != Purpose::kTracking) return;
-  const FitOptions usual;
-  for (const auto& [name, weight, factor] : kTrackingFactors) {
-    if (!is_given(options, name) && options.fit.*weight == usual.*weight) fit.*weight *= factor;
-  }
-  // Also in a scene and for the motion of a robot.
-  if (options.fit.dynamics && !is_given(options, "dynamics")) fit.dynamics = true;
 }
 
 std::string chosen_travel(const SolveOptions& options) {

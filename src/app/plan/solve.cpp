@@ -14,7 +14,6 @@
 #include "motion/resample.h"
 #include "retarget/machine.h"
 #include "retarget/resample.h"
-#include "retarget/scene.h"
 #include "retarget/text.h"
 #include "scene/scene_world.h"
 #include "solve/fit/fit.h"

@@ -5,7 +5,6 @@
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/plan.h"
-#include "retarget/scene.h"
 #include "scene/scene_world.h"
 
 namespace retarget {

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/option_name.h"

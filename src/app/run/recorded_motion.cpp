@@ -7,12 +7,10 @@
 #include <utility>
 
 #include "app/plan/robot_source.h"
-#include "app/plan/set_up_robot.h"
 #include "app/run/sidecar.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "motion/clip.h"
-#include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/hash.h"
 #include "retarget/load.h"

@@ -16,13 +16,12 @@
 #include "retarget/options.h"
 #include "retarget/os.h"
 #include "retarget/plan.h"
-#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "retarget/robots.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
 #include "robot/model/limits.h"
-#include "solve/fit/fit_status_report.h"
+#include "solve/fit/fit_report.h"
 
 namespace retarget {
 namespace {

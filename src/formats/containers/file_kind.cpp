@@ -198,7 +198,6 @@ FileType json_type(std::string_view bytes) {
           "save joint positions or rotations as arrays with numpy.savez: docs/positions.md"};
 }
 
-// A vertex in a line of OBJ.
 bool is_obj_vertex(std::string_view line) {
   return take_word(line) == "v" && parse_number<double>(take_word(line)).has_value();
 }

@@ -245,6 +245,19 @@ std::u32string characters_of(const std::string& text) {
   return characters;
 }
 
+// The header of an NPY file, version 1. The array needs no data.
+std::string format_npy_header(const NpyArray& array) {
+  constexpr std::size_t kBeforeHeader = 10;
+  constexpr std::size_t kAlignment = 64;
+  std::string header = "{'descr': '" + npy_type_text(array) + "', 'fortran_order': False, " +
+                       "'shape': " + shape_text(array.shape) + ", }";
+  while ((kBeforeHeader + header.size() + 1) % kAlignment != 0) header += ' ';
+  header += '\n';
+  std::string bytes("\x93NUMPY\x01\x00", 8);
+  append_little_endian(bytes, header.size(), 2);
+  return bytes + header;
+}
+
 }  // namespace
 
 void append_vector(std::vector<double>& values, const Eigen::Vector3d& vector) {
@@ -309,18 +322,6 @@ std::string npy_type_text(const NpyArray& array) {
                                                          : 'S';
   const bool has_order = array.item_size > 1 && letter != 'S';
   return (has_order ? "<" : "|") + std::string(1, letter) + std::to_string(array.item_size);
-}
-
-std::string format_npy_header(const NpyArray& array) {
-  constexpr std::size_t kBeforeHeader = 10;
-  constexpr std::size_t kAlignment = 64;
-  std::string header = "{'descr': '" + npy_type_text(array) + "', 'fortran_order': False, " +
-                       "'shape': " + shape_text(array.shape) + ", }";
-  while ((kBeforeHeader + header.size() + 1) % kAlignment != 0) header += ' ';
-  header += '\n';
-  std::string bytes("\x93NUMPY\x01\x00", 8);
-  append_little_endian(bytes, header.size(), 2);
-  return bytes + header;
 }
 
 std::string format_npy(const NpyArray& array) {

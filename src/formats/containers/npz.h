@@ -100,9 +100,6 @@ void append_vector(std::vector<double>& values, const Eigen::Vector3d& vector);
 /// NumPy's string for the element type of an array: `<f4`, `|b1`.
 [[nodiscard]] std::string npy_type_text(const NpyArray& array);
 
-/// The header of an NPY file, version 1. The array needs no data.
-[[nodiscard]] std::string format_npy_header(const NpyArray& array);
-
 /// The bytes of an NPY file, version 1.
 [[nodiscard]] std::string format_npy(const NpyArray& array);
 

@@ -153,7 +153,6 @@ Result<void> PickleReader::encode(const PickleNode& arguments) {
   return push(std::move(made));
 }
 
-// Layout of an array of this type and shape.
 Result<NpyLayout> PickleReader::array_layout(const PickleNode& type, const PickleNode& shape) {
   if (!is_part(type, Part::kType)) return fault("the pickle has an array without a dtype");
   if (shape.kind != Kind::kTuple || shape.items.size() > 32) {

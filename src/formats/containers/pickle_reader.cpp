@@ -324,6 +324,46 @@ Result<bool> PickleReader::read_object(PickleOp op) {
   return true;
 }
 
+namespace {
+
+// Opcodes that motion files do not need: old text forms, persistent ids, sets, objects.
+constexpr std::array<std::pair<std::uint8_t, const char*>, 24> kRefused = {{
+    {'0', "POP"},
+    {'1', "POP_MARK"},
+    {'2', "DUP"},
+    {'F', "FLOAT"},
+    {'I', "INT"},
+    {'L', "LONG"},
+    {'P', "PERSID"},
+    {'Q', "BINPERSID"},
+    {'S', "STRING"},
+    {'V', "UNICODE"},
+    {'g', "GET"},
+    {'i', "INST"},
+    {'o', "OBJ"},
+    {'p', "PUT"},
+    {0x82, "EXT1"},
+    {0x83, "EXT2"},
+    {0x84, "EXT4"},
+    {0x8f, "EMPTY_SET"},
+    {0x90, "ADDITEMS"},
+    {0x91, "FROZENSET"},
+    {0x92, "NEWOBJ_EX"},
+    {0x97, "NEXT_BUFFER"},
+    {0x98, "READONLY_BUFFER"},
+    {0x8b, "LONG4"},
+}};
+
+// Name of an unsupported opcode such as `PERSID`; `0x07` for an unknown byte.
+std::string refused_opcode_name(std::uint8_t opcode) {
+  for (const auto& [code, name] : kRefused) {
+    if (code == opcode) return name;
+  }
+  return "0x" + hex_text(std::string(1, static_cast<char>(opcode)));
+}
+
+}  // namespace
+
 Result<void> PickleReader::read() {
   for (;;) {
     opcode_at_ = at_;
@@ -357,45 +397,6 @@ Result<void> PickleReader::read() {
   TRY_ASSIGN(const auto root, pop());
   document_.root_ = root;
   return {};
-}
-
-namespace {
-
-// Opcodes that motion files do not need: old text forms, persistent ids, sets, objects.
-constexpr std::array<std::pair<std::uint8_t, const char*>, 24> kRefused = {{
-    {'0', "POP"},
-    {'1', "POP_MARK"},
-    {'2', "DUP"},
-    {'F', "FLOAT"},
-    {'I', "INT"},
-    {'L', "LONG"},
-    {'P', "PERSID"},
-    {'Q', "BINPERSID"},
-    {'S', "STRING"},
-    {'V', "UNICODE"},
-    {'g', "GET"},
-    {'i', "INST"},
-    {'o', "OBJ"},
-    {'p', "PUT"},
-    {0x82, "EXT1"},
-    {0x83, "EXT2"},
-    {0x84, "EXT4"},
-    {0x8f, "EMPTY_SET"},
-    {0x90, "ADDITEMS"},
-    {0x91, "FROZENSET"},
-    {0x92, "NEWOBJ_EX"},
-    {0x97, "NEXT_BUFFER"},
-    {0x98, "READONLY_BUFFER"},
-    {0x8b, "LONG4"},
-}};
-
-}  // namespace
-
-std::string refused_opcode_name(std::uint8_t opcode) {
-  for (const auto& [code, name] : kRefused) {
-    if (code == opcode) return name;
-  }
-  return "0x" + hex_text(std::string(1, static_cast<char>(opcode)));
 }
 
 }  // namespace retarget

@@ -69,9 +69,6 @@ inline void append_opcode(std::string& bytes, PickleOp op) {
 void append_integer(std::string& bytes, std::int64_t value);
 void append_number(std::string& bytes, double value);
 
-/// Name of an unsupported opcode such as `PERSID`; `0x07` for an unknown byte.
-[[nodiscard]] std::string refused_opcode_name(std::uint8_t opcode);
-
 /// Interprets the opcodes of a pickle and builds its document; see read_pickle.
 class PickleReader {
  public:

@@ -1,7 +1,6 @@
 #include "formats/containers/torch_file.h"
 
 #include <fmt/format.h>
-#include <bit>
 #include <map>
 #include <utility>
 

@@ -76,6 +76,11 @@ std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
   return layout;
 }
 
+// Whether the arrays are Kimodo's: joint positions with rotations.
+bool is_kimodo(const ArraySource& file) {
+  return file.has(kOfKimodo) && file.has(kRotations);
+}
+
 class PlacesReader {
  public:
   PlacesReader(const ArraySource& file, const ArrayReadOptions& options)
@@ -331,10 +336,6 @@ class PlacesReader {
 
 bool has_joint_positions(const ArraySource& file) {
   return places_of(file) != nullptr;
-}
-
-bool is_kimodo(const ArraySource& file) {
-  return file.has(kOfKimodo) && file.has(kRotations);
 }
 
 Result<JointMotion> read_joint_motion(const ArraySource& file, const ArrayReadOptions& options) {

@@ -43,9 +43,6 @@ struct JointMotion {
 /// Whether the file has an array of joint positions under a known name.
 [[nodiscard]] bool has_joint_positions(const ArraySource& file);
 
-/// Whether the arrays are Kimodo's: joint positions with rotations.
-[[nodiscard]] bool is_kimodo(const ArraySource& file);
-
 /// Reads joint positions of shape (frames, joints, 3), (samples, frames, joints, 3) or MDM's
 /// (samples, joints, 3, frames). Kimodo's files also have rotations.
 ///

@@ -119,7 +119,6 @@ struct MotionFile {
   bool took = false;  ///< The motion is one of several, selected by ArrayReadOptions::take.
 };
 
-/// Options for reading a file of arrays.
 struct ArrayReadOptions {
   /// Frame rate in Hz that overrides the file's, which may then be missing or wrong.
   std::optional<double> source_fps;

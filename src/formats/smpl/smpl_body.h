@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/smpl.h"

@@ -21,8 +21,8 @@
 #include "human/gait/track_faults.h"
 #include "human/gait/track_noise.h"
 #include "human/gait/track_spikes.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
+#include "retarget/human.h"
 #include "retarget/statistics.h"
 #include "retarget/text.h"
 

@@ -36,6 +36,12 @@ constexpr std::array<std::string_view, 3> kActions = {"add", "remove", "shift"};
 // The surface under a foot: as far as a human steps.
 constexpr double kMaxSurface = 3.0;
 
+// Returns null for an unknown name.
+const ContactPart* find_contact_part(std::string_view name) {
+  const auto* found = std::ranges::find(kContactParts, name, &ContactPart::name);
+  return found == kContactParts.end() ? nullptr : found;
+}
+
 // Reads the edits of one file; faults carry the number of the edit.
 class EditReader {
  public:
@@ -102,11 +108,6 @@ class EditReader {
 };
 
 }  // namespace
-
-const ContactPart* find_contact_part(std::string_view name) {
-  const auto* found = std::ranges::find(kContactParts, name, &ContactPart::name);
-  return found == kContactParts.end() ? nullptr : found;
-}
 
 std::vector<std::string> contact_part_names() {
   std::vector<std::string> names;

@@ -19,9 +19,6 @@ struct ContactPart {
   std::size_t support = 0;  ///< Index into kSupportBones, for parts that are not feet.
 };
 
-/// Returns null for an unknown name.
-[[nodiscard]] const ContactPart* find_contact_part(std::string_view name);
-
 /// Applies edits to the contacts of a human, in order. Frames that no edit names keep their
 /// contacts. An edited foot is in contact as a whole where its heel and toe are on one surface. An
 /// added contact is level: the foot rests on its sole.

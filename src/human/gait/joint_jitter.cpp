@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 #include <span>
-#include <utility>
 
 #include "human/gait/source_feet.h"
 #include "human/gait/track_noise.h"

@@ -8,7 +8,8 @@
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
+#include "retarget/human_poser.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
 

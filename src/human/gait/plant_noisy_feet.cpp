@@ -11,7 +11,7 @@
 #include "human/gait/end_tracks.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"

@@ -15,9 +15,8 @@
 #include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/standing_heights.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/so3.h"
-#include "retarget/statistics.h"
 #include "retarget/trigonometry.h"
 
 namespace retarget {

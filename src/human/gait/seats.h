@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "retarget/clip_range.h"
 #include "retarget/contact_plan.h"
 #include "retarget/human_poser.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/math/gravity.h"
+#include "retarget/human_poser.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 #include "retarget/statistics.h"

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/contact_plan.h"
 #include "retarget/human.h"
 

@@ -207,6 +207,36 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
   }
 }
 
+// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
+// something that the scene does not have.
+// @param contacts  result of find_contacts_on_ground.
+std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const SourceFeet& feet,
+                                                  const ContactPlan& contacts) {
+  constexpr double kOnSurface = 0.05;  // Metres.
+  const SourceContacts ends = contacts.of_ends();
+  std::array<std::vector<int>, 4> bodies;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const int foot = static_cast<int>(i) / 2, end = static_cast<int>(i) % 2;
+    for (const ContactPhase& phase : ends[i]) {
+      const int frame = (phase.begin + phase.end - 1) / 2;
+      Vector3d place = feet.at(frame, foot).end(end);
+      place.z() = phase.support;
+      // The floor is nearest unless a body is nearer.
+      double nearest = std::min(phase.support, kOnSurface * contacts.scale);
+      int under = -1;
+      for (std::size_t body = 0; body < world.body_count(); ++body) {
+        if (world.moves(body)) continue;
+        const double distance = std::abs(world.distance(frame, body, place).distance);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        under = static_cast<int>(body);
+      }
+      bodies[i].push_back(under);
+    }
+  }
+  return bodies;
+}
+
 }  // namespace
 
 SurfaceParts::SurfaceParts(const HumanClipInfo& human, double scale) : scale_(scale) {
@@ -277,33 +307,6 @@ ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& f
   ContactPlan contacts = find_contacts(feet_over_ground(world, feet, size), options);
   add_ground(world, feet, contacts);
   return contacts;
-}
-
-std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const SourceFeet& feet,
-                                                  const ContactPlan& contacts) {
-  constexpr double kOnSurface = 0.05;  // Metres.
-  const SourceContacts ends = contacts.of_ends();
-  std::array<std::vector<int>, 4> bodies;
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const int foot = static_cast<int>(i) / 2, end = static_cast<int>(i) % 2;
-    for (const ContactPhase& phase : ends[i]) {
-      const int frame = (phase.begin + phase.end - 1) / 2;
-      Vector3d place = feet.at(frame, foot).end(end);
-      place.z() = phase.support;
-      // The floor is nearest unless a body is nearer.
-      double nearest = std::min(phase.support, kOnSurface * contacts.scale);
-      int under = -1;
-      for (std::size_t body = 0; body < world.body_count(); ++body) {
-        if (world.moves(body)) continue;
-        const double distance = std::abs(world.distance(frame, body, place).distance);
-        if (distance >= nearest) continue;
-        nearest = distance;
-        under = static_cast<int>(body);
-      }
-      bodies[i].push_back(under);
-    }
-  }
-  return bodies;
 }
 
 void set_contacts(const SceneWorld& world, const SourceFeet& feet, const ContactPlan& contacts,

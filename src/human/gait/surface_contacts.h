@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "human/gait/source_feet.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/contact_plan.h"
+#include "retarget/human.h"
 #include "retarget/solved_scene.h"
 #include "scene/scene_world.h"
 
@@ -74,13 +74,6 @@ struct SurfacePhase {
 /// the floor are left out where something else is under them.
 [[nodiscard]] ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
                                                   const ContactOptions& options = {});
-
-/// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
-/// something that the scene does not have.
-/// @param contacts  result of find_contacts_on_ground.
-[[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
-                                                                const SourceFeet& feet,
-                                                                const ContactPlan& contacts);
 
 /// Sets the contacts of a solved scene: `contacts`, `on_floor` and `under_feet`.
 /// @param contacts  result of find_contacts_on_ground.

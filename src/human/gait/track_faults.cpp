@@ -6,14 +6,12 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 #include "human/gait/bridge_frames.h"
 #include "human/gait/frame_runs.h"
 #include "human/skeleton/limb_segments.h"
 #include "retarget/human_poser.h"
 #include "retarget/so3.h"
-#include "retarget/statistics.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -13,7 +12,7 @@
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/source_feet.h"
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/spline.h"
 

@@ -148,7 +148,6 @@ std::optional<std::string> read_name(const std::string& bone, const Json& value,
   return std::nullopt;
 }
 
-// Returns the joint with this name.
 std::optional<int> find_joint(const std::string& bone, const std::string& name,
                               const Skeleton& skeleton, Faults& faults) {
   const std::vector<std::string> names = skeleton.names();

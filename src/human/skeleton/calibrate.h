@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
@@ -30,6 +29,14 @@ struct CalibrationOptions {
 
 /// The up axis of a calibration and the tilt that it corrects: `+y`, `+y levelled by 12.0 degrees`.
 [[nodiscard]] std::string up_text(const Calibration& calibration);
+
+/// Calibration of LAFAN1's skeleton as in the published method: file units are centimetres, Y is
+/// up, and the body height is 1.75 m, independent of the bones. The synthetic feet are at the
+/// ankles and turn with the toes.
+/// @param joints   joints of the bones; -1: the bone is absent
+/// @param turning  joints whose rotations turn the bones
+[[nodiscard]] Calibration lafan1_calibration(const BoneArray<int>& joints,
+                                             const BoneArray<int>& turning);
 
 /// Determines unit, up axis, facing, height and T-pose of a clip, and from them the calibration to
 /// the canonical human. docs/human.md describes the method.

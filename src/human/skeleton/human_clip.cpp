@@ -1,4 +1,4 @@
-#include "human/skeleton/human_clip.h"
+#include "human/skeleton/calibrate.h"
 
 #include <cstddef>
 #include <limits>
@@ -7,6 +7,7 @@
 #include "human/skeleton/joint_clip.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/clip_arrays.h"
+#include "retarget/human_poser.h"
 
 namespace retarget {
 

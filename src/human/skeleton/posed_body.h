@@ -23,7 +23,6 @@ using JointPoses = std::vector<Pose>;
 /// OFFSETs that contradict them: some files have only zero OFFSETs.
 [[nodiscard]] JointPoses zero_pose(const Clip& clip);
 
-/// Returns the pose of one frame.
 [[nodiscard]] JointPoses frame_pose(const Clip& clip, int frame);
 
 /// Returns the frames to sample a motion at: ten per second from `begin` on, so that copies at

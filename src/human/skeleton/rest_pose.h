@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/human.h"
 

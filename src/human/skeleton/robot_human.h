@@ -4,10 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
-#include "retarget/options.h"
+#include "retarget/human_poser.h"
 
 namespace retarget {
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/option_name.h"
-#include "human/skeleton/calibrate.h"
 #include "human/skeleton/up_evidence.h"
 
 namespace retarget {

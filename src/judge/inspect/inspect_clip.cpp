@@ -1,7 +1,6 @@
 // Formats the contents of a motion file as text and JSON, and lists joint poses and sole contacts.
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 

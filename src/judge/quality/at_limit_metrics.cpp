@@ -1,4 +1,4 @@
-#include "judge/quality/at_limit_metrics.h"
+#include "judge/quality/body_metrics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,8 @@
 
 #include <vector>
 
-#include "human/gait/contact_plan.h"
 #include "human/gait/seats.h"
 #include "human/gait/source_feet.h"
-#include "human/skeleton/human_clip.h"
 #include "judge/quality/body_tracks.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/human.h"

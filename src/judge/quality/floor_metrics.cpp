@@ -1,4 +1,4 @@
-#include "judge/quality/floor_metrics.h"
+#include "judge/quality/body_metrics.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,6 @@
 #include "retarget/kinematic_tree.h"
 #include "retarget/measure.h"
 #include "retarget/motion.h"
-#include "retarget/pose.h"
 #include "retarget/robot.h"
 #include "solve/targets/targets.h"
 

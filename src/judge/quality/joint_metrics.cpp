@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "judge/quality/joint_metrics.h"
+#include "judge/quality/body_metrics.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"

@@ -1,4 +1,5 @@
 #include "retarget/measure.h"
+#include "judge/quality/body_metrics.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,19 +13,15 @@
 #include "human/gait/source_feet.h"
 #include "human/gait/standing_heights.h"
 #include "human/gait/surface_contacts.h"
-#include "human/skeleton/human_clip.h"
-#include "judge/quality/at_limit_metrics.h"
 #include "judge/quality/body_tracks.h"
 #include "judge/quality/flight_metrics.h"
-#include "judge/quality/floor_metrics.h"
 #include "judge/quality/joint_demand.h"
-#include "judge/quality/joint_metrics.h"
 #include "judge/quality/posture.h"
 #include "judge/quality/report_parts.h"
 #include "judge/quality/scene_metrics.h"
 #include "judge/quality/similarity_metrics.h"
-#include "judge/quality/support_metrics.h"
 #include "judge/quality/tracking_measure.h"
+#include "retarget/human.h"
 #include "retarget/pose.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/limit_diagnosis.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "human/gait/source_feet.h"
-#include "human/skeleton/human_clip.h"
 #include "judge/quality/report_parts.h"
 #include "judge/quality/similarity_metrics.h"
+#include "retarget/human.h"
 #include "solve/targets/trunk_lines.h"
 
 namespace retarget {

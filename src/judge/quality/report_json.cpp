@@ -8,7 +8,7 @@
 
 #include "retarget/human.h"
 #include "retarget/report.h"
-#include "solve/fit/fit_status_report.h"
+#include "solve/fit/fit_report.h"
 
 namespace retarget {
 namespace {

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "human/gait/source_feet.h"
-#include "human/skeleton/human_clip.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/contact_plan.h"
+#include "retarget/human.h"
 #include "retarget/retargeting_config.h"
 #include "scene/scene_world.h"
 

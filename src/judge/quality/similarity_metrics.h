@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "judge/quality/body_tracks.h"
 #include "judge/quality/limb_directions.h"
 #include "judge/quality/posture.h"

@@ -1,4 +1,4 @@
-#include "judge/quality/support_metrics.h"
+#include "judge/quality/body_metrics.h"
 
 #include <string>
 #include <utility>

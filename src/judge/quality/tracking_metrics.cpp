@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "judge/quality/similarity_metrics.h"

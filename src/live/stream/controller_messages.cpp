@@ -104,8 +104,8 @@ void copy_hand(const std::optional<std::array<std::size_t, kDex3Motors>>& joints
   for (std::size_t i = 0; joints && i < hand.size(); ++i) hand[i] = qpos[(*joints)[i]];
 }
 
-}  // namespace
-
+// Errors (kUsage): the robot is not a G1 with all joints.
+// @param who  name of the controller, for the message.
 Result<G1Joints> find_g1_joints(const Robot& robot, std::string_view who) {
   G1Joints found;
   for (std::size_t i = 0; i < kNames.size(); ++i) {
@@ -128,6 +128,8 @@ Result<G1Joints> find_g1_joints(const Robot& robot, std::string_view who) {
   found.right_hand = find_hand(robot, "right", kRightMotors);
   return found;
 }
+
+}  // namespace
 
 Result<SonicMessage> SonicMessage::make(const Robot& robot, double fps,
                                         const SonicOptions& options) {

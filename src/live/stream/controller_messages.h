@@ -28,10 +28,6 @@ struct G1Joints {
   std::optional<std::array<std::size_t, kDex3Motors>> left_hand, right_hand;
 };
 
-/// Errors (kUsage): the robot is not a G1 with all joints.
-/// @param who  name of the controller, for the message.
-[[nodiscard]] Result<G1Joints> find_g1_joints(const Robot& robot, std::string_view who);
-
 struct SonicOptions {
   /// Number of latest frames in each message. Messages overlap because a receiver that misses a
   /// message restarts its motion at the gap; SONIC's own sender uses 5.

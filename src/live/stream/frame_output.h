@@ -113,7 +113,6 @@ class RobotFrameWriter {
   virtual ~RobotFrameWriter() = default;
   /// Bytes that receivers need first; empty: none.
   [[nodiscard]] virtual std::string header() const = 0;
-  /// Appends a frame.
   virtual void append(const RobotFrame& frame, std::string& bytes) = 0;
 };
 

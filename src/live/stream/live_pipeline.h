@@ -12,7 +12,6 @@
 #include "live/stream/stamp_faults.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
-#include "live/stream/untimed_frames.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/live.h"

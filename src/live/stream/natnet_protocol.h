@@ -95,7 +95,6 @@ struct NatNetFrame {
 
 // Payloads. Errors (kInput): truncated data, invalid numbers.
 
-/// Reads the stream's version from a server's description.
 [[nodiscard]] Result<NatNetVersion> read_natnet_server(std::string_view payload);
 /// Reads the skeletons from a description of all streamed models.
 [[nodiscard]] Result<std::vector<NatNetSkeleton>> read_natnet_skeletons(std::string_view payload,

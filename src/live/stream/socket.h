@@ -56,7 +56,6 @@ class Descriptor {
 /// has the address's host, at its port. Errors: kUsage: not a multicast group; kRun: the group
 /// cannot be joined.
 [[nodiscard]] Result<Descriptor> join_group(const StreamAddress& address, const std::string& group);
-/// The port of a bound socket.
 [[nodiscard]] int bound_port(const Descriptor& socket);
 /// Opens a socket that sends datagrams to an address, or is connected to it.
 [[nodiscard]] Result<Descriptor> connect_socket(const StreamAddress& address);

@@ -10,7 +10,6 @@
 
 #include <io.h>
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>

@@ -46,38 +46,7 @@ double rounded(double value, double parts) {
   return std::isfinite(value) ? std::round(value * parts) / parts : 0.0;
 }
 
-}  // namespace
-
-StatsWriter::StatsWriter(Descriptor to)
-    : thread_(std::make_unique<WriterThread>(std::move(to), kWaitingLines)) {}
-
-Result<StatsWriter> StatsWriter::open(const std::string& to) {
-  if (to == "-") return StatsWriter(standard_stream(1));
-  Descriptor file(os::open_file(to, os::OpenFor::kReplacing));
-  if (!file.is_open()) {
-    return run_failure(to, std::string("cannot be written: ") + error_text(errno));
-  }
-  return StatsWriter(std::move(file));
-}
-
-void StatsWriter::write_if_due(double now, const LivePipeline& pipeline,
-                               const SourceStatistics& source,
-                               std::span<const OutputStatistics> outputs) {
-  if (now < due_) return;
-  const std::int64_t frames = pipeline.statistics().robot_frames;
-  const double robot_fps = static_cast<double>(frames - frames_before_) / (now - before_);
-  const std::string line = stats_line(now, pipeline, latency_, robot_fps, source, outputs);
-  frames_before_ = frames;
-  before_ = now;
-  due_ = std::max(due_ + 1.0, now);
-  latency_ = Latency();
-  static_cast<void>(thread_->put(line));
-}
-
-void StatsWriter::finish() {
-  thread_->finish(false, {});
-}
-
+// Formats one line of statistics.
 std::string stats_line(double now, const LivePipeline& pipeline, const Latency& latency,
                        double robot_fps, const SourceStatistics& source,
                        std::span<const OutputStatistics> outputs) {
@@ -130,6 +99,38 @@ std::string stats_line(double now, const LivePipeline& pipeline, const Latency& 
                           {"max", rounded(1e3 * latency.max(), kMilli)}};
   }
   return line.dump() + "\n";
+}
+
+}  // namespace
+
+StatsWriter::StatsWriter(Descriptor to)
+    : thread_(std::make_unique<WriterThread>(std::move(to), kWaitingLines)) {}
+
+Result<StatsWriter> StatsWriter::open(const std::string& to) {
+  if (to == "-") return StatsWriter(standard_stream(1));
+  Descriptor file(os::open_file(to, os::OpenFor::kReplacing));
+  if (!file.is_open()) {
+    return run_failure(to, std::string("cannot be written: ") + error_text(errno));
+  }
+  return StatsWriter(std::move(file));
+}
+
+void StatsWriter::write_if_due(double now, const LivePipeline& pipeline,
+                               const SourceStatistics& source,
+                               std::span<const OutputStatistics> outputs) {
+  if (now < due_) return;
+  const std::int64_t frames = pipeline.statistics().robot_frames;
+  const double robot_fps = static_cast<double>(frames - frames_before_) / (now - before_);
+  const std::string line = stats_line(now, pipeline, latency_, robot_fps, source, outputs);
+  frames_before_ = frames;
+  before_ = now;
+  due_ = std::max(due_ + 1.0, now);
+  latency_ = Latency();
+  static_cast<void>(thread_->put(line));
+}
+
+void StatsWriter::finish() {
+  thread_->finish(false, {});
 }
 
 }  // namespace retarget

@@ -56,10 +56,4 @@ class StatsWriter {
   std::int64_t frames_before_ = 0;
 };
 
-/// Formats one line of statistics.
-[[nodiscard]] std::string stats_line(double now, const LivePipeline& pipeline,
-                                     const Latency& latency, double robot_fps,
-                                     const SourceStatistics& source,
-                                     std::span<const OutputStatistics> outputs);
-
 }  // namespace retarget

@@ -267,6 +267,13 @@ void ShapeFinder::find_sole(std::size_t side) {
   }
 }
 
+// The human-readable name of a source, such as `mesh vertices`.
+std::string source_text(ShapeSource source) {
+  constexpr std::array kTexts = {"the model's contact geoms", "mesh vertices",
+                                 "estimated from the limbs' lengths"};
+  return kTexts[static_cast<std::size_t>(source)];
+}
+
 RobotShapes ShapeFinder::find() {
   keep_model_shapes();
   fit_meshes();
@@ -289,12 +296,6 @@ RobotShapes ShapeFinder::find() {
 }
 
 }  // namespace
-
-std::string source_text(ShapeSource source) {
-  constexpr std::array kTexts = {"the model's contact geoms", "mesh vertices",
-                                 "estimated from the limbs' lengths"};
-  return kTexts[static_cast<std::size_t>(source)];
-}
 
 RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh) {
   return ShapeFinder(robot, limbs, mesh).find();

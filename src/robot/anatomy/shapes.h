@@ -29,9 +29,6 @@ enum class ShapeSource : unsigned char {
   kEstimated,  ///< Estimated from the lengths of the limbs.
 };
 
-/// Returns the human-readable name of a source, such as `mesh vertices`.
-[[nodiscard]] std::string source_text(ShapeSource source);
-
 /// An approximate shape of a body.
 struct RoughShape {
   CollisionShape shape;

@@ -1,6 +1,5 @@
-#include "robot/model/couplings.h"
+#include "robot/model/load_profile.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 

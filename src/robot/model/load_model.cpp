@@ -12,7 +12,6 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/file.h"
-#include "retarget/load_robot.h"
 #include "retarget/text.h"
 #include "robot/model/check_model.h"
 #include "robot/model/model_values.h"

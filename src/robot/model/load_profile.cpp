@@ -17,7 +17,6 @@
 #include "retarget/enum_names.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
-#include "robot/model/couplings.h"
 #include "robot/model/limits.h"
 
 namespace retarget {

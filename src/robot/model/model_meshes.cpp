@@ -103,19 +103,6 @@ std::vector<ModelMesh> urdf_meshes(const XMLElement& robot) {
 
 }  // namespace
 
-Result<std::vector<ModelMesh>> model_meshes(const std::string& path) {
-  TRY(check_model(path, true));
-  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
-  tinyxml2::XMLDocument document;
-  static_cast<void>(parse_xml(text.view(), document));
-  const XMLElement* top = document.RootElement();
-  if (top != nullptr && is_urdf(*top)) return urdf_meshes(*top);
-  ModelChanges changes;
-  changes.find_meshes = true;
-  TRY_ASSIGN(LoadedModel loaded, load_model(path, changes));
-  return std::move(loaded.meshes);
-}
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,6 +187,21 @@ Result<TriangleMesh> SurfaceReader::read(const std::vector<PlacedMesh>& meshes) 
   if (!complete) return TriangleMesh();
   TRY(check_mesh_reach(all, files));
   return all;
+}
+
+// Lists the meshes of an MJCF or URDF file without reading them; the mesh files need not exist.
+// Errors (kConfig): load_model's; mesh files outside the model's package (check_model).
+Result<std::vector<ModelMesh>> model_meshes(const std::string& path) {
+  TRY(check_model(path, true));
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
+  tinyxml2::XMLDocument document;
+  static_cast<void>(parse_xml(text.view(), document));
+  const XMLElement* top = document.RootElement();
+  if (top != nullptr && is_urdf(*top)) return urdf_meshes(*top);
+  ModelChanges changes;
+  changes.find_meshes = true;
+  TRY_ASSIGN(LoadedModel loaded, load_model(path, changes));
+  return std::move(loaded.meshes);
 }
 
 }  // namespace

@@ -30,10 +30,6 @@ struct ModelMesh {
   int geom = -1;  ///< Index of the geom in its place, in LoadedModel; -1: not known.
 };
 
-/// Lists the meshes of an MJCF or URDF file without reading them; the mesh files need not exist.
-/// Errors (kConfig): load_model's; mesh files outside the model's package (check_model).
-[[nodiscard]] Result<std::vector<ModelMesh>> model_meshes(const std::string& path);
-
 /// Surfaces of a robot's bodies, read from the mesh files that its model names.
 struct BodySurfaces {
   /// Meshes by body index, in the body's frame; only bodies whose files all exist and are readable.

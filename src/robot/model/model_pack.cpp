@@ -223,8 +223,7 @@ PackedModel read_model(PackReader& in) {
   return model;
 }
 
-}  // namespace
-
+// Copies the parts of a loaded model that a pack needs.
 PackedModel packed_model(std::string file, const LoadedModel& loaded) {
   const mjModel& from = *loaded.model;
   PackedModel model;
@@ -250,6 +249,7 @@ PackedModel packed_model(std::string file, const LoadedModel& loaded) {
   return model;
 }
 
+// Formats models as a pack. Equal models give equal bytes.
 std::string format_model_pack(const std::vector<PackedModel>& models) {
   PackWriter out;
   out.text(kMagic);
@@ -268,6 +268,8 @@ std::string format_model_pack(const std::vector<PackedModel>& models) {
   }
   return std::move(out).take();
 }
+
+}  // namespace
 
 Result<std::vector<PackedModel>> parse_model_pack(std::string_view bytes, const std::string& file) {
   const std::string hint = "make it again: retarget generate robot-pack";

@@ -69,17 +69,10 @@ struct PackedArrays {
 #undef RETARGET_MEMBER
 };
 
-/// A model of a pack.
 struct PackedModel : PackedArrays {
   std::string file;    ///< Name of the model's file, without folder.
   LoadedModel loaded;  ///< Robot without its model.
 };
-
-/// Copies the parts of a loaded model that a pack needs.
-[[nodiscard]] PackedModel packed_model(std::string file, const LoadedModel& loaded);
-
-/// Formats models as a pack. Equal models give equal bytes.
-[[nodiscard]] std::string format_model_pack(const std::vector<PackedModel>& models);
 
 /// Reads a pack. Checks every count, index and name, so that the arrays are safe to use: counts
 /// against the remaining bytes, indices against the sizes of their arrays, and names for their

@@ -25,7 +25,6 @@ using tinyxml2::XMLElement;
 // Parts of an MJCF that do not affect its kinematics and that nothing else refers to.
 constexpr std::array<std::string_view, 7> kSections = {
     "sensor", "actuator", "keyframe", "visual", "statistic", "camera", "light"};
-// Defaults of actuators.
 constexpr std::array<std::string_view, 9> kActuatorDefaults = {
     "motor",    "position", "velocity", "intvelocity", "damper",
     "cylinder", "muscle",   "adhesion", "general"};

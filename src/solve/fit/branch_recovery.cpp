@@ -10,12 +10,11 @@
 #include "retarget/clip.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
-#include "solve/fit/crossing_frames.h"
+#include "solve/fit/bad_intervals.h"
 #include "solve/fit/limb_branch.h"
 #include "solve/fit/limb_detours.h"
 #include "solve/fit/limb_solver.h"
 #include "solve/fit/shorthand.h"
-#include "solve/fit/sunken_frames.h"
 #include "solve/fit/window_trial.h"
 
 namespace retarget {

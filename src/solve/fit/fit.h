@@ -4,12 +4,10 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "base/math/step_bounds.h"
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/contact_edits.h"
 #include "retarget/error.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
 #include "solve/fit/fit_model.h"

@@ -26,7 +26,6 @@ inline constexpr int kMaxLimbJoints = 12;
 /// Joint positions of a limb, in the order of FitLimb::links; rad or m.
 using LimbJoints = std::array<double, kMaxLimbJoints>;
 
-/// Range of each joint.
 struct LimbRange {
   LimbJoints lower{}, upper{};
 };

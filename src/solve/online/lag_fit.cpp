@@ -1,7 +1,6 @@
 #include "solve/online/lag_fit.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "retarget/try.h"

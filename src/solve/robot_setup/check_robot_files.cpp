@@ -16,7 +16,6 @@
 #include "robot/anatomy/limbs.h"
 #include "robot/anatomy/shapes.h"
 #include "robot/model/load_profile.h"
-#include "robot/model/variant.h"
 #include "solve/robot_setup/check_robot.h"
 #include "solve/robot_setup/derive_config.h"
 #include "solve/robot_setup/import_robot.h"

@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/human_poser.h"
 #include "retarget/motion.h"
-#include "retarget/options.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "solve/targets/targets.h"

@@ -7,7 +7,6 @@
 #include "retarget/human.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
-#include "retarget/pose.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 

@@ -8,10 +8,10 @@
 #include <thread>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_poser.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/pose.h"

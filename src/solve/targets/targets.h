@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_poser.h"
 #include "retarget/options.h"
 #include "retarget/pose.h"
 #include "retarget/retargeting_config.h"

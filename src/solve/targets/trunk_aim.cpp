@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/math/least_squares.h"
-#include "base/math/se3.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/human.h"
+#include "retarget/human_poser.h"
 
 namespace retarget {
 

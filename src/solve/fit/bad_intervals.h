@@ -18,4 +18,14 @@ namespace retarget {
 void solve_sunken_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
                          const std::function<bool()>& keep_going, BranchRecovery& result);
 
+/// Solves intervals of a fitted clip again in which limbs pass through each other, or through the
+/// body, between two frames; now with self-collision terms half-way between the frames. Keeps the
+/// result if the overlaps are clearly smaller, the cost of the terms in the frames is hardly larger,
+/// and, with dynamics, contacts can supply the forces as well. All other frames stay bitwise
+/// unchanged.
+/// @param keep_going  called periodically; returning false stops the search.
+/// @param result      receives the failures.
+void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
+                           const std::function<bool()>& keep_going, BranchRecovery& result);
+
 }  // namespace retarget

@@ -1,4 +1,4 @@
-#include "solve/fit/crossing_frames.h"
+#include "solve/fit/bad_intervals.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -14,11 +14,61 @@
 #include "robot/model/half_way.h"
 #include "solve/fit/half_way.h"
 #include "solve/fit/near_pairs.h"
-#include "solve/fit/trial_intervals.h"
+#include "solve/fit/start_frames.h"
 #include "solve/fit/window_trial.h"
 
 namespace retarget {
 namespace {
+
+// Adds an interval to those of earlier frames. Intervals less than a second apart become one, up to
+// five seconds, which bounds the memory of a trial.
+void add_interval(const FitClip& clip, FrameRange next, std::vector<FrameRange>& intervals) {
+  constexpr double kFarApart = 1.0, kLongest = 5.0;  // Seconds.
+  if (!intervals.empty() && next.begin < intervals.back().end + clip.frames_in(kFarApart) &&
+      next.end - intervals.back().begin <= clip.frames_in(kLongest)) {
+    intervals.back().end = next.end;
+  } else {
+    intervals.push_back(next);
+  }
+}
+
+// Solves intervals again.
+// @param attempt  solves a trial; whether its result is accepted.
+void solve_again(const FitModel& model, const FitOptions& options, FitClip& clip,
+                 const std::function<bool()>& keep_going, const std::vector<FrameRange>& intervals,
+                 const std::function<bool(WindowTrial&)>& attempt, BranchRecovery& result) {
+  constexpr double kFirstPause = 1.0, kLongestPause = 32.0;  // Seconds.
+  double wait = 0.0;                                         // Seconds.
+  int next = 0;  // First frame at which an interval may begin.
+  for (const FrameRange& interval : intervals) {
+    if (result.stopped) return;
+    if (interval.begin < next) continue;
+    WindowTrial trial(model, options, clip, keep_going, interval.begin, interval.end);
+    const bool accepted = attempt(trial);
+    result.conclude(trial, accepted);
+    // The pause doubles after each rejected trial, because such a robot probably cannot do better.
+    wait = accepted ? 0.0 : std::clamp(2.0 * wait, kFirstPause, kLongestPause);
+    if (!accepted) next = interval.end + clip.frames_in(wait);
+  }
+}
+
+constexpr double kDeep = 0.01;            // Metres.
+constexpr double kDepthSampleTime = 0.1;  // Seconds between two measurements of the depth.
+
+// Intervals with a deep point, from samples. A penetration that is shorter than the sampling
+// interval may be missed.
+std::vector<FrameRange> sunken_intervals(const FitModel& model, const FitClip& clip) {
+  const int every = std::max(1, clip.frames_in(kDepthSampleTime));
+  TreeState pose(model.tree);
+  std::vector<FrameRange> found;
+  for (int frame = 0; frame < clip.frame_count; frame += every) {
+    pose.update(clip.frame(frame, model.configuration_size));
+    if (!(lowest_below_floor(model, pose) < -kDeep)) continue;
+    add_interval(clip, {std::max(0, frame - every), std::min(clip.frame_count, frame + every + 1)},
+                 found);
+  }
+  return found;
+}
 
 constexpr double kDeepCrossing = 0.01;  // Depth from which an overlap is removed, metres.
 // Distance in one of two frames up to which shapes may pass through each other between them, metres.
@@ -107,7 +157,7 @@ std::vector<FrameRange> crossing_intervals(OverlapMeter& meter, const FitClip& c
   for (int frame = 1; frame < clip.frame_count; ++frame) {
     meter.next();
     if (!(meter.depth_half_way() > kDeepCrossing)) continue;
-    add_trial_interval(clip, {frame - 1, frame + 1}, found);
+    add_interval(clip, {frame - 1, frame + 1}, found);
   }
   return found;
 }
@@ -142,6 +192,14 @@ bool is_better(const Overlaps& after, const Overlaps& before) {
 
 }  // namespace
 
+void solve_sunken_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
+                         const std::function<bool()>& keep_going, BranchRecovery& result) {
+  if (!options.floor || clip.scene) return;
+  solve_again(
+      model, options, clip, keep_going, sunken_intervals(model, clip),
+      [](WindowTrial& trial) { return trial.solve() && trial.pays_off(); }, result);
+}
+
 void solve_crossing_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
                            const std::function<bool()>& keep_going, BranchRecovery& result) {
   constexpr double kMoreCost = 1.05;  // Ratio by which the cost of all terms may rise.
@@ -149,19 +207,13 @@ void solve_crossing_frames(const FitModel& model, const FitOptions& options, Fit
   OverlapMeter meter(model, clip);
   FitOptions patient = options;
   patient.iterations *= 2;
-  TrialPause pause(clip);
-  for (const FrameRange& interval : crossing_intervals(meter, clip)) {
-    if (result.stopped) return;
-    if (pause.includes(interval)) continue;
-    WindowTrial trial(model, options, clip, keep_going, interval.begin, interval.end);
+  const auto attempt = [&](WindowTrial& trial) {
     const Overlaps before = overlaps_of(meter, trial.window());
     trial.look_between_frames();
-    const bool accepted = trial.solve(model, patient) &&
-                          is_better(overlaps_of(meter, trial.window()), before) &&
-                          trial.costs_less_than(kMoreCost);
-    result.conclude(trial, accepted);
-    pause.conclude(interval, accepted);
-  }
+    return trial.solve(model, patient) && is_better(overlaps_of(meter, trial.window()), before) &&
+           trial.costs_less_than(kMoreCost);
+  };
+  solve_again(model, options, clip, keep_going, crossing_intervals(meter, clip), attempt, result);
 }
 
 }  // namespace retarget

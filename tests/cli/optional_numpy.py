@@ -1,0 +1,6 @@
+"""NumPy, or None where it is not installed."""
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
