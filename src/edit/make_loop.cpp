@@ -250,6 +250,12 @@ void describe(Loop& loop, const FrameRate& rate, bool in_place, double travel) {
     loop.notes.push_back({"", "the hips still move up to " + number_text(travel, 2) +
                                   " m from the start: only a constant rate is removed"});
   }
+  if (in_place) {
+    loop.notes.push_back(
+        {"", "retarget it with " RETARGET_OPTION(
+                 "clean") " off: otherwise a run takes the sliding feet for drift of the "
+                          "root, and restores the advance"});
+  }
   loop.doubts = as_warnings(loop.check.faults);
   if (loop.check.faults.empty()) return;
   loop.misfit = run_failure(

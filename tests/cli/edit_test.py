@@ -1,5 +1,6 @@
 """`retarget edit`: BVH in, BVH out."""
 
+import math
 import pathlib
 import unittest
 
@@ -133,6 +134,14 @@ class Edit(ToolTest):
         rows = self.frames(self.folder / "loop.bvh")
         way = [0.01 * (rows[cycle][i] - rows[0][i]) for i in (0, 2)]
         self.assertAlmostEqual(float(advance.split()[0]), (way[0] ** 2 + way[1] ** 2) ** 0.5, 3)
+        # A run restores the advance of a cycle in place, unless it keeps the clip as it is.
+        self.assertNotIn("--clean off", words)
+        self.assertIn("--clean off", self.said("loop", sample("walk"), "--start", 3.4, "--end", 7, "--shortest", 0.6,
+                                               "--times", 8, "--in-place", "-o", "in_place.bvh"))
+        robot = self.retarget("--clean", "off", bvh=self.folder / "in_place.bvh", output="in_place.csv")
+        self.assert_done(robot)
+        places = [row[:2] for row in read_rows((self.folder / "in_place.csv").read_text())]
+        self.assertLess(max(math.dist(place, places[0]) for place in places), 0.5)
         # A clip of getting up never returns to lying.
         up = sample("get_up")
         self.assert_fails(self.run_tool("edit", "loop", up, "-o", "x.bvh"), 1, "cm apart", "--force")

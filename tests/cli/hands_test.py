@@ -49,9 +49,10 @@ def finger_lines(side):
     return lines
 
 
-def with_fingers(bvh, closing):
+def with_fingers(bvh, closing, still=()):
     """Returns a LAFAN1 clip with bending fingers; a fist where closing(frame) is 1.
 
+    @param still  sides whose fingers stay at zero
     @return  the text of the BVH
     """
     head, motion = bvh.split("MOTION")
@@ -82,7 +83,7 @@ def with_fingers(bvh, closing):
             sign = 1.0 if side == "Left" else -1.0
             for finger in FINGERS:
                 for angle in FIST:
-                    bent = 0.0 if finger == "Thumb" else sign * closing(frame) * angle
+                    bent = 0.0 if finger == "Thumb" or side in still else sign * closing(frame) * angle
                     result += ["0", f"{bent:.6f}", "0"]
         frames.append(" ".join(result + values[done:]))
     return "\n".join(out) + "MOTION\n" + "\n".join(header + frames) + "\n"
@@ -136,6 +137,28 @@ class Hands(ToolTest):
             ways.append(read_rows((self.folder / "out.csv").read_text()))
         moved = max(abs(a - b) for one, other in zip(*ways) for a, b in zip(one[:29], other[:29]))
         self.assertGreater(moved, 1e-3)
+
+    def test_the_body_keeps_clear_of_hands_that_close(self):
+        """Fists beside the hips are thicker than the open hands of the first frame."""
+        plain = short_clip("wave", FRAMES).decode()
+        self.clip = str(self.write("fists.bvh", with_fingers(plain, lambda frame: min(1.0, frame / 40.0))))
+        result = self.retarget("--gate", "self_1cm_pct<=1", "--gate", "fast_3pi_pct<=0.2", bvh=self.clip,
+                               robot="unitree_g1_with_hands")
+        self.assert_done(result)
+
+    def test_a_pose_held_during_an_excerpt(self):
+        found = self.columns("--start", "2")
+        self.assertLess(max(found["left_hand_index_0_joint"]), -1.2)
+        self.assertGreater(min(found["right_hand_index_0_joint"]), 1.2)
+
+    def test_the_note_about_a_mirrored_clip_names_the_moving_side(self):
+        plain = short_clip("wave", FRAMES).decode()
+        close = lambda frame: min(1.0, frame / 40.0)
+        self.clip = str(self.write("one.bvh", with_fingers(plain, close, still=("Right",))))
+        for arguments, note in (((), r"hands +left following the human, right relaxed"),
+                                (("--mirror",), r"hands +right following the human, left relaxed")):
+            result = self.retarget(*arguments, bvh=self.clip, robot="unitree_g1_with_hands")
+            self.assertRegex(result.stderr, note)
 
     def test_published_method_has_fingers_on_request(self):
         exact, follow = (self.columns("--method", "gmr", *more) for more in ((), ("--hands", "follow")))

@@ -191,5 +191,23 @@ TEST(SourceHandsTest, StillFingersDoNotCountAsMoving) {
   EXPECT_FALSE(fingers_move(source.clip(), *source.hands()[0], {0, 2}));
 }
 
+TEST(SourceHandsTest, ClosedHandsDifferFromDefaultPoses) {
+  FingerClip source(1);
+  const auto closed = [&] { return fingers_are_closed(source.clip(), *source.hands()[0], 0); };
+  const auto posed = [&] { return fingers_leave_rest(source.clip(), *source.hands()[0], 0); };
+  EXPECT_FALSE(closed());
+  EXPECT_FALSE(posed());
+  // The largest bends of SMPL's mean hand.
+  for (const Finger finger : kFingers) source.bend(0, 0, finger, {0.80, 0.75, 0.42});
+  EXPECT_FALSE(closed());
+  EXPECT_TRUE(posed());
+  // A last joint that only a fault of the file can bend so far.
+  source.bend(0, 0, Finger::kIndex, {0.3, 0.3, 2.8});
+  EXPECT_FALSE(closed());
+  source.bend(0, 0, Finger::kRing, {1.0, 1.1, 0.6});
+  EXPECT_TRUE(closed());
+  EXPECT_FALSE(fingers_are_closed(source.clip(), *source.hands()[1], 0));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/plan/clean_source.h"
+#include "app/plan/hand_choice.h"
 #include "app/plan/scale_time.h"
 #include "app/plan/set_up_robot.h"
 #include "app/plan/surroundings.h"
@@ -28,7 +29,6 @@
 #include "retarget/robot.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
-#include "solve/hands/hand_track.h"
 #include "solve/targets/limb_lengths.h"
 
 namespace retarget {
@@ -105,31 +105,6 @@ ResolvedConfig measured_config(const Plan& plan, const RobotSetup& robot) {
 }
 
 namespace {
-
-// Adds a note about the motion of the robot's fingers.
-void note_hands(const Clip& clip, Plan& plan) {
-  const SolveOptions& solve = plan.options.solve;
-  const HandsRule rule = hands_rule(solve.hands, solve.method);
-  const RobotHands hands = find_hands(*plan.robot.robot);
-  if (solve.hands != HandsRule::kAuto && !hands[0] && !hands[1]) {
-    plan.config_notes.push_back({"hands", "the robot has no fingers to move"});
-  }
-  if (rule == HandsRule::kOff) return;
-  const SourceHands followed = followed_hands(clip, plan.human.map, hands, rule, plan.part);
-  std::vector<std::string> follow, relaxed;
-  for (std::size_t side = 0; side < hands.size(); ++side) {
-    if (!hands[side]) continue;
-    (followed[side] ? follow : relaxed).emplace_back(side == 0 ? "left" : "right");
-  }
-  std::string text;
-  if (!follow.empty()) text = fmt::format("{} following the human", fmt::join(follow, " and "));
-  if (!relaxed.empty()) {
-    if (!text.empty()) text += ", ";
-    text += fmt::format("{} relaxed", fmt::join(relaxed, " and "));
-    if (rule == HandsRule::kFollow) text += ": the source has no finger motion there";
-  }
-  if (!text.empty()) plan.config_notes.push_back({"hands", text});
-}
 
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
   plan.lead_in_frames = frames_to_leave_out(clip, options);

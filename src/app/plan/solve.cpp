@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "app/plan/hand_choice.h"
 #include "app/plan/motion_target.h"
 #include "app/plan/scale_time.h"
 #include "app/plan/surroundings.h"
@@ -67,14 +68,12 @@ std::vector<PrintedUnits> printed_units(const Plan& plan) {
 }
 
 // Motion of the robot's fingers, which the body's solvers do not move.
-HandTrack hand_track(const Plan& plan, const Clip& source) {
+HandTrack hand_track(const Plan& plan, const Clip& source, const SourceHands& followed) {
   const SolveOptions& solve = plan.options.solve;
   const HandsRule rule = hands_rule(solve.hands, solve.method);
   if (rule == HandsRule::kOff) return {};
   const Robot& robot = *plan.robot.robot;
   const RobotHands hands = find_hands(robot);
-  const SourceHands followed =
-      followed_hands(source, plan.human.map, hands, rule, {0, source.frame_count()});
   const FitOptions& fit = plan.fit;
   return {
       source,      followed,
@@ -91,7 +90,8 @@ void write_hands(const HandTrack& hands, Motion& motion) {
 }
 
 Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>& scene,
-                       const SolveControl& control, bool limit_speeds, Motion& motion) {
+                       const SolveControl& control, bool limit_speeds, const SourceHands& followed,
+                       Motion& motion) {
   FitOptions options = plan.fit;
   if (options.threads == 0) {
     options.threads = control.threads > 0 ? control.threads : usable_cores();
@@ -110,10 +110,9 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   run.limit_speeds = limit_speeds;
   run.printed = printed_units(plan);
   run.costs = control.fit_costs;
-  const HandTrack hands = hand_track(plan, *motion.source);
-  if (!hands.empty() && motion.source->frame_count() > 0) {
-    run.held = plan.robot.robot->zero_configuration();
-    hands.write(0, run.held);
+  const HandTrack hands = hand_track(plan, *motion.source, followed);
+  if (!hands.empty()) {
+    run.hold = [&hands](int frame, std::span<double> qpos) { hands.write(frame, qpos); };
   }
   TRY_ASSIGN(FitResult fitted, fit(*motion.source, plan.human.calibration, plan.robot.robot,
                                    plan.config, plan.limits, options, run));
@@ -132,9 +131,10 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   return {};
 }
 
-Result<void> solve_frames(const Plan& plan, const SolveControl& control, Motion& motion) {
+Result<void> solve_frames(const Plan& plan, const SolveControl& control,
+                          const SourceHands& followed, Motion& motion) {
   SolveFramesOptions options = pass_options(plan, control, motion.source->frame_count());
-  const HandTrack hands = hand_track(plan, *motion.source);
+  const HandTrack hands = hand_track(plan, *motion.source, followed);
   std::vector<double> with_hands;
   options.frame_solved = control.frame_solved;
   if (!hands.empty() && control.frame_solved) {
@@ -185,11 +185,12 @@ Result<Motion> solve_in_time(Plan plan, const SolveControl& control, bool limit_
   Motion motion;
   TRY_ASSIGN(motion.source, prepare_clip(plan));
   TRY_ASSIGN(const auto scene, human_surroundings(plan, *motion.source));
+  const SourceHands followed = choose_hands(*plan.clip, plan);
   // The original clip is not needed any more; release its memory.
   plan.clip = nullptr;
   const bool is_fit = plan.options.solve.method == Method::kFit;
-  TRY(is_fit ? solve_fit(plan, scene, control, limit_speeds, motion)
-             : solve_frames(plan, control, motion));
+  TRY(is_fit ? solve_fit(plan, scene, control, limit_speeds, followed, motion)
+             : solve_frames(plan, control, followed, motion));
   motion.plan = std::move(plan);
   return motion;
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "app/plan/hand_choice.h"
 #include "app/plan/motion_target.h"
 #include "app/plan/scale_time.h"
 #include "app/run/sidecar.h"
@@ -277,6 +278,7 @@ Result<void> mirror_plan(Plan& plan) {
   for (ContactEdit& edit : plan.contact_edits) edit.part = part_of_other_side(edit.part);
   plan.clip = std::make_shared<const Clip>(std::move(image.clip));
   plan.human.calibration = std::move(image.calibration);
+  note_hands(*plan.clip, plan);
   return {};
 }
 

@@ -1,12 +1,14 @@
 #include "human/skeleton/source_hands.h"
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "human/skeleton/joint_names.h"
 #include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {
@@ -342,22 +344,59 @@ bool HandPoser::shape(int frame, HandShape& shape) {
   return true;
 }
 
+namespace {
+
+// Whether a fingertip is at another place than in another shape of the hand.
+bool tips_differ(const HandShape& a, const HandShape& b) {
+  constexpr double kDiffers = 0.02;  // Share of the finger's length.
+  return std::ranges::any_of(kFingers, [&](Finger finger) {
+    const FingerLine &one = a.line(finger), &other = b.line(finger);
+    return one.is_there() && other.is_there() &&
+           (one.tip() - other.tip()).norm() > kDiffers * one.length;
+  });
+}
+
+// The sum of a finger's bends at the knuckle, from the direction of the palm, and at the next joint;
+// radians. Files without recorded fingers may have any rotation at the last joint.
+double inner_bend(const FingerLine& line) {
+  Eigen::Vector3d before = Eigen::Vector3d::UnitX();
+  double sum = 0.0;
+  for (int i = 1; i < std::min(line.point_count, 3); ++i) {
+    const Eigen::Vector3d bone = line.points[i] - line.points[i - 1];
+    if (!(bone.norm() > 0.0)) continue;
+    sum += angle_between(before, bone);
+    before = bone;
+  }
+  return sum;
+}
+
+}  // namespace
+
 bool fingers_move(const Clip& clip, const SourceHand& hand, const FrameRange& part) {
-  constexpr double kMoves = 0.02;  // Share of the finger's length.
   HandPoser poser(clip, hand);
   HandShape start, shape;
   bool has_start = false;
   for (int frame = part.begin; frame < part.end; ++frame) {
     if (!poser.shape(frame, has_start ? shape : start)) continue;
-    if (!std::exchange(has_start, true)) continue;
-    for (const Finger finger : kFingers) {
-      const FingerLine& a = start.line(finger);
-      const FingerLine& b = shape.line(finger);
-      if (a.is_there() && b.is_there() && (a.tip() - b.tip()).norm() > kMoves * a.length)
-        return true;
-    }
+    if (std::exchange(has_start, true) && tips_differ(start, shape)) return true;
   }
   return false;
+}
+
+bool fingers_are_closed(const Clip& clip, const SourceHand& hand, int frame) {
+  constexpr double kClosed = 110.0 * std::numbers::pi / 180.0;
+  HandShape shape;
+  if (!HandPoser(clip, hand).shape(frame, shape)) return false;
+  return std::ranges::any_of(kFingers, [&](Finger finger) {
+    return finger != Finger::kThumb && inner_bend(shape.line(finger)) > kClosed;
+  });
+}
+
+bool fingers_leave_rest(const Clip& clip, const SourceHand& hand, int frame) {
+  const Clip at_rest = clip.empty_like(clip.rate(), 1);
+  HandShape rest, shape;
+  return HandPoser(at_rest, hand).shape(0, rest) && HandPoser(clip, hand).shape(frame, shape) &&
+         tips_differ(shape, rest);
 }
 
 }  // namespace retarget

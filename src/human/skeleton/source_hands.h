@@ -87,4 +87,13 @@ class HandPoser {
 /// not recorded.
 [[nodiscard]] bool fingers_move(const Clip& clip, const SourceHand& hand, const FrameRange& part);
 
+/// Whether the first two joints of a finger other than the thumb bend by more than 110 degrees in
+/// total, as in a fist or a pointing hand. In default poses of files without recorded fingers
+/// (straight, SMPL's mean hand, the curl of a skeleton), they bend less.
+[[nodiscard]] bool fingers_are_closed(const Clip& clip, const SourceHand& hand, int frame);
+
+/// Whether the hand differs from the skeleton's rest pose (zero rotations): a fingertip by more than
+/// 2 % of its finger's length.
+[[nodiscard]] bool fingers_leave_rest(const Clip& clip, const SourceHand& hand, int frame);
+
 }  // namespace retarget

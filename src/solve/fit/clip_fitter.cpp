@@ -113,6 +113,7 @@ class WindowFitter final : public MovingFit {
                                                       // frame, by dof.
   std::vector<double> applied_;                       // Change applied to the current frame, by
                                                       // dof.
+  std::vector<double> given_;  // Configuration with the positions of joints that do not move.
   double anchor_hold_ = 1.0;
   int settling_steps_ = 0;
   double worst_overlap_ = 0.0;  // Largest sum of squared penetrations of a frame in the last step,
@@ -143,10 +144,14 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
       applied_(at(dofs_)),
+      given_(at(model.configuration_size)),
       places_(model, clip),
       status_{.begin = window.begin, .end = window.end} {
   if (options.dynamics && FitDynamics::possible(model)) {
     dynamics_.emplace(model, options, window, clip);
+  }
+  for (int i = kBase; i < dofs_; ++i) {
+    given_[at(model.tree.links()[at(i - kBase + 1)].qpos_address)] = model.lower[at(i)];
   }
   if (window.between_frames) crossings_.emplace(model, clip, window_);
 }
@@ -431,13 +436,17 @@ void WindowFitter::apply(int frame) {
   const auto x = chain_.solution(local(frame));
   const auto qpos = clip_.frame(frame, model_.configuration_size);
   if (!model_.base_is_held) move_base(x, qpos);
+  if (clip_.hold) clip_.hold(frame, given_);
   for (int i = kBase; i < dofs_; ++i) {
     applied_[at(i)] = 0.0;
     if (held_.is_held(local(frame), i)) continue;
-    double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
+    const std::size_t address = at(model_.tree.links()[at(i - kBase + 1)].qpos_address);
+    double& value = qpos[address];
     const double before = value;
     value += std::clamp(x[at(i)], -kMaxTurn, kMaxTurn);
     held_.clamp(local(frame), i, value);
+    const bool is_given = clip_.hold && model_.lower[at(i)] == model_.upper[at(i)];
+    if (is_given) value = given_[address];
     applied_[at(i)] = value - before;
   }
   if (with_dynamics_) dynamics_->moved(frame, applied_);

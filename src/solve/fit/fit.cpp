@@ -227,14 +227,18 @@ Result<void> Fit::recover_limbs(FitReport& report) {
   return {};
 }
 
-// Holds the joints without a target at the positions in run_.held.
+// Holds the joints without a target at the positions of run_.hold. Their ranges are the positions of
+// the first frame.
 void Fit::hold_joints() {
-  if (run_.held.empty()) return;
+  if (!run_.hold || source_.frame_count() == 0) return;
+  clip_.hold = run_.hold;
+  std::vector<double> first = robot_->zero_configuration();
+  clip_.hold(0, first);
   for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
     const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
     if (model_.lower[dof] != model_.upper[dof]) continue;
     const KinematicTree::Link& held = model_.tree.links()[link];
-    model_.lower[dof] = model_.upper[dof] = run_.held[at(held.qpos_address)];
+    model_.lower[dof] = model_.upper[dof] = first[at(held.qpos_address)];
   }
 }
 

@@ -39,10 +39,10 @@ struct FitRun {
   /// Called periodically on the calling thread with the completed share of the work, 0 to 1.
   /// Returning false stops the run with ErrorKind::kInterrupted.
   std::function<bool(double done)> keep_going;
-  /// A qpos that supplies the positions of joints without a target, such as fingers. The fit holds
-  /// these joints there, so that the self-collision term uses their final positions. Empty: the
-  /// robot's zero configuration.
-  std::vector<double> held;
+  /// Writes the positions of joints without a target, such as fingers, into a qpos. The fit holds
+  /// these joints there, so that its terms use their final positions. Empty: those of the robot's
+  /// zero configuration.
+  std::function<void(int frame, std::span<double> qpos)> hold;
   /// Whether to measure the costs of the terms for the report.
   bool costs = true;
   /// Whether limbs on a wrong branch of their inverse kinematics move to another branch.

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,6 +22,9 @@ struct FitClip {
   std::vector<Eigen::Vector2d> anchors;   ///< Anchor of each contact phase; world x and y, metres.
   std::vector<double> qpos;               ///< Frame-major, laid out as in RobotClip.
   std::shared_ptr<const FitScene> scene;  ///< Null: none.
+  /// Writes the positions of joints that the fit does not move, such as fingers, into the
+  /// configuration of a frame; null: these joints are still.
+  std::function<void(int frame, std::span<double> qpos)> hold;
 
   [[nodiscard]] int frames_in(double seconds) const {
     return static_cast<int>(std::lround(seconds / frame_time));

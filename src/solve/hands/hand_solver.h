@@ -84,6 +84,8 @@ class HandSolver {
   void reset() { has_previous_ = false; }
   /// Solves a frame. @return the values of hand.variables, valid until the next call.
   const Eigen::VectorXd& solve(const HandTarget& target);
+  /// The result of the last solve().
+  [[nodiscard]] const Eigen::VectorXd& solution() const { return current_; }
   /// Whether the last solve() met non-finite values. It then returned the previous frame or the
   /// relaxed hand.
   [[nodiscard]] bool has_failed() const { return failed_; }

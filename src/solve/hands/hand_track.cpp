@@ -12,6 +12,10 @@
 namespace retarget {
 namespace {
 
+// Speed limit of hinges, rad/s: a hand closes in 0.2 s. Where a minimum of the solver ends, it changes
+// to another one within a frame.
+constexpr double kFingerSpeed = 9.0;
+
 // Bounds of the variables of a hand: range, and largest step between two frames. They result from
 // the bounds of the leading joint and of the joints coupled to it.
 struct VariableBounds {
@@ -26,7 +30,8 @@ VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitS
                        Eigen::VectorXd::Constant(count, HUGE_VAL)};
   for (const HandJoint& joint : hand.joints) {
     double step = robot.speed_limit(joint.joint) * frame_time;
-    if (!joint.slides) step = std::min({step, bounds.max_speed * frame_time, bounds.max_step});
+    const double speed = std::min(bounds.max_speed, kFingerSpeed);
+    if (!joint.slides) step = std::min({step, speed * frame_time, bounds.max_step});
     if (joint.ratio == 0.0) continue;
     const StepBounds rounded =
         bounds_for_printing({limits.lower[joint.joint], limits.upper[joint.joint], step},
@@ -67,20 +72,48 @@ void smooth(std::vector<double>& values, double fps) {
   }
 }
 
+// The solver follows a minimum from one step to the next. After larger changes of the target, it may
+// leave for another minimum, and the result would depend on the frame rate.
+int solver_steps(double frame_time) {
+  constexpr double kLongestStep = 1.0 / 120.0;
+  constexpr double kTolerance = 0.01;
+  return std::max(1, static_cast<int>(std::ceil(frame_time / kLongestStep - kTolerance)));
+}
+
+// The shape at a share of the way between two shapes of one hand.
+HandShape shape_between(const HandShape& from, const HandShape& to, double share) {
+  HandShape shape = to;
+  for (const Finger finger : kFingers) {
+    const FingerLine& before = from.line(finger);
+    FingerLine& line = shape.line(finger);
+    if (before.point_count != line.point_count) continue;
+    for (int i = 0; i < line.point_count; ++i) {
+      line.points[i] = (1.0 - share) * before.points[i] + share * line.points[i];
+    }
+    line.length = (1.0 - share) * before.length + share * line.length;
+  }
+  return shape;
+}
+
 }  // namespace
 
 HandsRule hands_rule(HandsRule rule, Method method) {
-  if (rule != HandsRule::kAuto) return rule;
   // The published method ignores fingers.
-  return method == Method::kGmr ? HandsRule::kOff : HandsRule::kFollow;
+  return rule == HandsRule::kAuto && method == Method::kGmr ? HandsRule::kOff : rule;
 }
 
 SourceHands followed_hands(const Clip& clip, const BoneMap& map, const RobotHands& robot,
                            HandsRule rule, const FrameRange& part) {
-  if (rule != HandsRule::kFollow) return {};
+  if (rule != HandsRule::kAuto && rule != HandsRule::kFollow) return {};
+  if (part.begin >= part.end) return {};
+  const auto holds_pose = [&](const SourceHand& hand) {
+    return fingers_are_closed(clip, hand, part.begin) ||
+           (rule == HandsRule::kFollow && fingers_leave_rest(clip, hand, part.begin));
+  };
   SourceHands hands = find_source_hands(clip.skeleton(), map);
   for (std::size_t side = 0; side < hands.size(); ++side) {
-    const bool follows = robot[side] && hands[side] && fingers_move(clip, *hands[side], part);
+    const bool follows = robot[side] && hands[side] &&
+                         (fingers_move(clip, *hands[side], part) || holds_pose(*hands[side]));
     if (!follows) hands[side].reset();
   }
   return hands;
@@ -108,13 +141,19 @@ void HandTrack::add(const Clip& source, const SourceHand* followed, const Robot&
     HandPoser poser(source, *followed);
     HandShape shape = relaxed_hand();
     HandTarget target;
+    const int steps = solver_steps(source.rate().frame_time());
     for (std::size_t frame = 0; frame < frames; ++frame) {
+      const HandShape before = shape;
       poser.shape(static_cast<int>(frame), shape);
-      match.target(shape, target);
-      const Eigen::VectorXd& solved = solver.solve(target);
-      if (solver.has_failed()) note_failure(hand.side, static_cast<int>(frame));
+      bool has_failed = false;
+      for (int step = frame == 0 ? steps : 1; step <= steps; ++step) {
+        match.target(shape_between(before, shape, static_cast<double>(step) / steps), target);
+        solver.solve(target);
+        has_failed |= solver.has_failed();
+      }
+      if (has_failed) note_failure(hand.side, static_cast<int>(frame));
       for (std::size_t v = 0; v < variables.size(); ++v) {
-        variables[v][frame] = solved[static_cast<Eigen::Index>(v)];
+        variables[v][frame] = solver.solution()[static_cast<Eigen::Index>(v)];
       }
     }
   }
@@ -189,7 +228,7 @@ HandErrors measure_hands(const Clip& source, const BoneMap& map, const RobotClip
   HandErrors errors;
   const RobotHands hands = find_hands(motion.robot());
   const SourceHands followed =
-      followed_hands(source, map, hands, HandsRule::kFollow, {0, source.frame_count()});
+      followed_hands(source, map, hands, HandsRule::kAuto, {0, source.frame_count()});
   for (std::size_t side = 0; side < hands.size(); ++side) {
     if (!followed[side]) continue;
     measure_hand(source, *followed[side], motion, *hands[side], errors);

@@ -15,14 +15,16 @@
 
 namespace retarget {
 
-/// The source's hands that a robot's hands follow. Empty on a side without a robot hand or without
-/// moving fingers of the source.
-/// @param part  frames of the clip in which the fingers must move.
+/// The source's hands that a robot's hands follow: those whose fingers move, or hold a pose that is
+/// not a default one (fingers_are_closed()); with HandsRule::kFollow also those that hold any pose
+/// other than the skeleton's rest pose. Empty for other rules.
+/// @param part  relevant frames of the clip; usually the whole clip, so that a pose held during an
+///     excerpt is followed.
 [[nodiscard]] SourceHands followed_hands(const Clip& clip, const BoneMap& map,
                                          const RobotHands& robot, HandsRule rule,
                                          const FrameRange& part);
 
-/// The rule for a method; resolves HandsRule::kAuto.
+/// The rule for a method: HandsRule::kAuto is HandsRule::kOff with Method::kGmr.
 [[nodiscard]] HandsRule hands_rule(HandsRule rule, Method method);
 
 /// Bounds of a HandTrack, which its rounded output also keeps.
@@ -38,7 +40,7 @@ class HandTrack {
  public:
   HandTrack() = default;
 
-  /// Solves the hands frame by frame (HandSolver), smooths the result with a zero-phase filter of
+  /// Solves the hands frame by frame (HandSolver), with steps of at most 1/120 s, smooths the result with a zero-phase filter of
   /// about 24 ms, and clamps it to ranges and speed limits, which the rounded output also keeps. A
   /// hand without a source hand is relaxed in all frames.
   /// @param source  clip whose frames correspond to those of the robot's motion.
@@ -73,7 +75,7 @@ struct HandErrors {
 };
 
 /// Measures the deviations of a motion. Empty for robots without hands and for sources without
-/// moving fingers.
+/// fingers that HandsRule::kAuto follows.
 /// @param source  clip whose frames correspond to those of `motion`; the shorter one determines the
 ///     length.
 [[nodiscard]] HandErrors measure_hands(const Clip& source, const BoneMap& map,
