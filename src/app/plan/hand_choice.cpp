@@ -1,7 +1,6 @@
 #include "app/plan/hand_choice.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <string>
 #include <vector>
 
