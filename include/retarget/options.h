@@ -79,8 +79,8 @@ enum class ScaleRule : unsigned char {
 
 /// Motion of the robot's fingers (docs/hands.md).
 enum class HandsRule : unsigned char {
-  kAuto,     ///< kFollow; kOff with Method::kGmr.
-  kFollow,   ///< Follow the human's fingers; relaxed if the source has no moving fingers.
+  kAuto,     ///< Follow fingers that move or close, else kRelaxed; kOff with Method::kGmr.
+  kFollow,   ///< Follow the human's fingers; relaxed if they keep the rest pose.
   kRelaxed,  ///< Half open, like an idle hand.
   kOff,      ///< Keep the joint positions of the body solver.
 };
