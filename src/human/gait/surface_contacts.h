@@ -75,7 +75,12 @@ struct SurfacePhase {
 [[nodiscard]] ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
                                                   const ContactOptions& options = {});
 
-/// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
+/// Heights of the ground under the ends of feet, metres; 0: the floor, or an end inside a body.
+/// Frame-major, then by foot, then kHeelEnd and kToeEnd.
+[[nodiscard]] std::vector<double> ground_under_feet(const SceneWorld& world,
+                                                    const SourceFeet& feet);
+
+/// The fixed bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
 /// something that the scene does not have.
 /// @param contacts  result of find_contacts_on_ground.
 [[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
