@@ -24,7 +24,7 @@ constexpr double kMaxMass = 1e6;  // kg.
 
 class JsonSceneReader {
  public:
-  explicit JsonSceneReader(std::string file) : file_(std::move(file)) {}
+  JsonSceneReader(std::string file, double reach) : file_(std::move(file)), reach_(reach) {}
 
   Result<std::vector<SceneBody>> read() {
     TRY_ASSIGN(const Json json, load_json(file_));
@@ -132,7 +132,8 @@ class JsonSceneReader {
     if (named.empty()) faults_.add(where + "\"file\" must name a mesh");
     // Read files only if there are no errors so far.
     if (!faults_.empty()) return {};
-    TRY_ASSIGN(const TriangleMesh mesh, find_scene_mesh(named, file_, ColladaAxes::kZUp, scale));
+    TRY_ASSIGN(const TriangleMesh mesh,
+               find_scene_mesh(named, file_, ColladaAxes::kZUp, reach_, scale));
     for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
     return {};
   }
@@ -145,9 +146,9 @@ class JsonSceneReader {
     const Json* triangles = members.list("triangles");
     for (std::size_t i = 0; vertices != nullptr && i < vertices->size(); ++i) {
       const auto vertex = vector_from((*vertices)[i]);
-      if (!vertex || !(vertex->cwiseAbs().maxCoeff() <= kMaxSceneReach)) {
-        faults_.add(fmt::format("{}vertex {} must be [x, y, z] in metres, within {} m", where, i,
-                                kMaxSceneReach));
+      if (!vertex || !(vertex->cwiseAbs().maxCoeff() <= reach_)) {
+        faults_.add(
+            fmt::format("{}vertex {} must be [x, y, z], within {}", where, i, reach_text(reach_)));
         return;
       }
       mesh.vertices.push_back(*vertex);
@@ -189,7 +190,7 @@ class JsonSceneReader {
       columns = row->size();
       heights.insert(heights.end(), row->begin(), row->end());
     }
-    const auto in_reach = [](double height) { return std::abs(height) <= kMaxSceneReach; };
+    const auto in_reach = [&](double height) { return std::abs(height) <= reach_; };
     if (columns < 2 || heights.size() < 2 * columns || heights.size() > kMaxHeights ||
         !std::ranges::all_of(heights, in_reach)) {
       faults_.add(fmt::format(
@@ -206,11 +207,11 @@ class JsonSceneReader {
     Pose pose;
     if (const Json* found = members.find("position")) {
       const auto position = vector_from(*found);
-      if (position && position->cwiseAbs().maxCoeff() <= kMaxSceneReach) {
+      if (position && position->cwiseAbs().maxCoeff() <= reach_) {
         pose.translation = *position;
       } else {
-        faults_.add(fmt::format("{}\"position\" must be [x, y, z] in metres, within {} m, found {}",
-                                where, kMaxSceneReach, short_text(*found)));
+        faults_.add(fmt::format("{}\"position\" must be [x, y, z], within {}, found {}", where,
+                                reach_text(reach_), short_text(*found)));
       }
     }
     if (const Json* found = members.find("quaternion")) {
@@ -228,8 +229,11 @@ class JsonSceneReader {
     return pose;
   }
 
+  double size_of(const JsonMembers& members, const std::string& key, const std::string& where) {
+    return size_of(members, key, where, reach_);
+  }
   double size_of(const JsonMembers& members, const std::string& key, const std::string& where,
-                 double at_most = kMaxSceneReach) {
+                 double at_most) {
     const Json* found = members.find(key);
     const auto size = found == nullptr ? std::nullopt : value_from<double>(*found);
     if (size && *size > 0.0 && *size <= at_most) return *size;
@@ -240,8 +244,8 @@ class JsonSceneReader {
   Vector3d sizes_of(const JsonMembers& members, const std::string& key, const std::string& where) {
     const Json* found = members.find(key);
     const auto sizes = found == nullptr ? std::nullopt : vector_from(*found);
-    if (sizes && sizes->minCoeff() > 0.0 && sizes->maxCoeff() <= kMaxSceneReach) return *sizes;
-    add_size_fault(found, key, where, "three positive numbers", kMaxSceneReach);
+    if (sizes && sizes->minCoeff() > 0.0 && sizes->maxCoeff() <= reach_) return *sizes;
+    add_size_fault(found, key, where, "three positive numbers", reach_);
     return Vector3d::Ones();
   }
 
@@ -252,13 +256,14 @@ class JsonSceneReader {
   }
 
   std::string file_;
+  double reach_;
   Faults faults_;
 };
 
 }  // namespace
 
-Result<std::vector<SceneBody>> read_json_scene(const std::string& file) {
-  return JsonSceneReader(file).read();
+Result<std::vector<SceneBody>> read_json_scene(const std::string& file, double reach) {
+  return JsonSceneReader(file, reach).read();
 }
 
 }  // namespace retarget

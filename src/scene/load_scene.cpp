@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 using Type = SceneShape::Type;
 using Bodies = std::vector<SceneBody>;
 
-Result<Bodies> read_mesh_scene(const std::string& file) {
-  TRY_ASSIGN(const TriangleMesh mesh, load_scene_mesh(file, ColladaAxes::kZUp));
+Result<Bodies> read_mesh_scene(const std::string& file, double reach) {
+  TRY_ASSIGN(const TriangleMesh mesh, load_scene_mesh(file, ColladaAxes::kZUp, reach));
   SceneBody body;
   body.name = fs::path(file).stem().string();
   body.shapes = shapes_of_mesh(mesh, {});
@@ -30,7 +30,7 @@ Result<Bodies> read_mesh_scene(const std::string& file) {
   return Bodies{std::move(body)};
 }
 
-Result<Bodies> read_xml_scene(const std::string& file) {
+Result<Bodies> read_xml_scene(const std::string& file, double reach) {
   std::error_code ignored;
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) {
     return input_failure(file, "a scene must be a regular file");
@@ -44,8 +44,8 @@ Result<Bodies> read_xml_scene(const std::string& file) {
   }
   const tinyxml2::XMLElement* top = document.RootElement();
   const std::string kind = top == nullptr ? std::string() : top->Name();
-  if (kind == "robot") return read_urdf_scene(file);
-  if (kind == "mujoco") return read_mjcf_scene(file);
+  if (kind == "robot") return read_urdf_scene(file, reach);
+  if (kind == "mujoco") return read_mjcf_scene(file, reach);
   if (kind == "mujocoinclude") {
     return input_failure(file, "the file is only a fragment of an MJCF model",
                          "load the model that includes it, or write <mujoco><worldbody> around its "
@@ -55,11 +55,12 @@ Result<Bodies> read_xml_scene(const std::string& file) {
       file, "found <" + kind.substr(0, 40) + ">: expected <mujoco> (MJCF) or <robot> (URDF)");
 }
 
-Result<Bodies> read_bodies(const std::string& file) {
+Result<Bodies> read_bodies(const std::string& file, double reach) {
   const std::string ending = lower_case(fs::path(file).extension().string());
-  if (ending == ".json") return read_json_scene(file);
-  if (ending == ".obj" || ending == ".stl" || ending == ".dae") return read_mesh_scene(file);
-  if (ending == ".xml" || ending == ".mjcf" || ending == ".urdf") return read_xml_scene(file);
+  if (ending == ".json") return read_json_scene(file, reach);
+  if (ending == ".obj" || ending == ".stl" || ending == ".dae") return read_mesh_scene(file, reach);
+  if (ending == ".xml" || ending == ".mjcf" || ending == ".urdf")
+    return read_xml_scene(file, reach);
   return input_failure(file, "a scene must be JSON, MJCF, URDF, OBJ, STL or COLLADA",
                        "the file name must end in .json, .xml, .mjcf, .urdf, .obj, .stl or .dae");
 }
@@ -78,10 +79,10 @@ bool is_finite(const Pose& pose) {
 }
 
 // Checks the numbers of a shape, which readers need not check.
-bool is_sound(const SceneShape& shape) {
+bool is_sound(const SceneShape& shape, double reach) {
   if (!is_finite(shape.body_from_shape)) return false;
-  if (shape.body_from_shape.translation.cwiseAbs().maxCoeff() > kMaxSceneReach) return false;
-  const auto fits = [](double size) { return size > 0.0 && size <= kMaxSceneReach; };
+  if (shape.body_from_shape.translation.cwiseAbs().maxCoeff() > reach) return false;
+  const auto fits = [reach](double size) { return size > 0.0 && size <= reach; };
   const bool has_radius =
       shape.type == Type::kSphere || shape.type == Type::kCapsule || shape.type == Type::kCylinder;
   if (has_radius && !fits(shape.radius)) return false;
@@ -93,18 +94,18 @@ bool is_sound(const SceneShape& shape) {
   return true;
 }
 
-Result<void> check_bodies(const Bodies& bodies, const std::string& file) {
+Result<void> check_bodies(const Bodies& bodies, const std::string& file, double reach) {
   for (const SceneBody& body : bodies) {
     const std::string name = "the body \"" + body.name + "\"";
     if (!is_finite(body.world_from_body) ||
-        body.world_from_body.translation.cwiseAbs().maxCoeff() > kMaxSceneReach) {
-      return input_failure(
-          file, name + " is not within " + number_text(kMaxSceneReach, 0) + " m of the origin");
+        body.world_from_body.translation.cwiseAbs().maxCoeff() > reach) {
+      return input_failure(file, name + " is not within " + reach_text(reach) + " of the origin");
     }
-    if (!std::ranges::all_of(body.shapes, is_sound)) {
+    const auto sound = [&](const SceneShape& shape) { return is_sound(shape, reach); };
+    if (!std::ranges::all_of(body.shapes, sound)) {
       return input_failure(
           file, name + " has a shape whose size or position is not a positive number of at most " +
-                    number_text(kMaxSceneReach, 0) + " m");
+                    reach_text(reach));
     }
   }
   return {};
@@ -165,14 +166,19 @@ std::vector<SceneBody> bodies_of_links(const std::vector<SceneLink>& links) {
 }
 
 Result<Scene> load_scene(const std::string& file) {
+  return load_scene_in_unit(file, 1.0);
+}
+
+Result<Scene> load_scene_in_unit(const std::string& file, double metres_per_unit) {
   if (file == "-") return input_failure("", "a scene cannot come from standard input");
-  auto bodies = read_bodies(file);
+  const double reach = kMaxSceneReach / metres_per_unit;
+  auto bodies = read_bodies(file, reach);
   if (!bodies) {
     Error error = std::move(bodies).error();
     error.kind = ErrorKind::kInput;
     return failure(std::move(error));
   }
-  TRY(check_bodies(*bodies, file));
+  TRY(check_bodies(*bodies, file, reach));
   bool has_floor = false;
   for (SceneBody& body : *bodies) {
     const auto floors =

@@ -30,8 +30,8 @@ using Type = SceneShape::Type;
 
 class MjcfSceneReader {
  public:
-  MjcfSceneReader(const std::string& file, const LoadedModel& loaded)
-      : file_(file), model_(*loaded.model), meshes_(loaded.meshes) {
+  MjcfSceneReader(const std::string& file, const LoadedModel& loaded, double reach)
+      : file_(file), model_(*loaded.model), meshes_(loaded.meshes), reach_(reach) {
     for (int geom = 0; geom < model_.ngeom; ++geom) has_contacts_ |= collides(geom);
   }
 
@@ -65,7 +65,7 @@ class MjcfSceneReader {
     const auto mesh = std::ranges::find(meshes_, geom, &ModelMesh::geom);
     if (mesh != meshes_.end()) {
       TRY_ASSIGN(const TriangleMesh triangles,
-                 find_scene_mesh(mesh->file, file_, ColladaAxes::kOfFile, mesh->scale,
+                 find_scene_mesh(mesh->file, file_, ColladaAxes::kOfFile, reach_, mesh->scale,
                                  mesh->file_from_mesh));
       for (SceneShape& shape : shapes_of_mesh(triangles, pose)) shapes.push_back(std::move(shape));
       return {};
@@ -125,12 +125,13 @@ class MjcfSceneReader {
   const std::string& file_;
   const mjModel& model_;
   const std::vector<ModelMesh>& meshes_;
+  double reach_;
   bool has_contacts_ = false;
 };
 
 }  // namespace
 
-Result<std::vector<SceneBody>> read_mjcf_scene(const std::string& file) {
+Result<std::vector<SceneBody>> read_mjcf_scene(const std::string& file, double reach) {
   ModelChanges changes;
   changes.name_all = true;
   changes.find_meshes = true;
@@ -144,7 +145,7 @@ Result<std::vector<SceneBody>> read_mjcf_scene(const std::string& file) {
         "supported are primitives, meshes from STL, OBJ or COLLADA files, and "
         "height fields with an elevation");
   }
-  return MjcfSceneReader(file, loaded).read();
+  return MjcfSceneReader(file, loaded, reach).read();
 }
 
 namespace {
@@ -153,7 +154,7 @@ using tinyxml2::XMLElement;
 
 class UrdfSceneReader {
  public:
-  explicit UrdfSceneReader(const std::string& file) : file_(file) {}
+  UrdfSceneReader(const std::string& file, double reach) : file_(file), reach_(reach) {}
 
   Result<std::vector<SceneBody>> read() {
     TRY(check_model(file_, true));
@@ -265,7 +266,7 @@ class UrdfSceneReader {
       TRY_ASSIGN(const auto scale, numbers(form, "scale", {1.0, 1.0, 1.0}));
       TRY_ASSIGN(const TriangleMesh mesh,
                  find_scene_mesh(attribute_of(&form, "filename"), file_, ColladaAxes::kOfFile,
-                                 Vector3d(scale.data())));
+                                 reach_, Vector3d(scale.data())));
       for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
       return {};
     }
@@ -323,6 +324,7 @@ class UrdfSceneReader {
   }
 
   const std::string& file_;
+  double reach_;
   const char* kind_ = "collision";
   std::vector<std::string> order_;  // Of the links in the file.
   std::map<std::string, const XMLElement*> elements_;
@@ -333,8 +335,8 @@ class UrdfSceneReader {
 
 }  // namespace
 
-Result<std::vector<SceneBody>> read_urdf_scene(const std::string& file) {
-  return UrdfSceneReader(file).read();
+Result<std::vector<SceneBody>> read_urdf_scene(const std::string& file, double reach) {
+  return UrdfSceneReader(file, reach).read();
 }
 
 }  // namespace retarget

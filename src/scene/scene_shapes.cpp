@@ -15,7 +15,11 @@ namespace retarget {
 
 using Eigen::Vector3d;
 
-Result<TriangleMesh> load_scene_mesh(const std::string& file, ColladaAxes axes,
+std::string reach_text(double reach) {
+  return number_text(reach, 0) + (reach == kMaxSceneReach ? " m" : " units of the file");
+}
+
+Result<TriangleMesh> load_scene_mesh(const std::string& file, ColladaAxes axes, double reach,
                                      const Vector3d& scale, const Pose& file_from_mesh) {
   TRY_ASSIGN(const auto content, read_mesh_file(file));
   TRY_ASSIGN(TriangleMesh mesh, read_mesh_as_written(content.view(), file, axes));
@@ -29,20 +33,19 @@ Result<TriangleMesh> load_scene_mesh(const std::string& file, ColladaAxes axes,
   const Pose mesh_from_file = file_from_mesh.inverse();
   for (Vector3d& vertex : mesh.vertices) {
     vertex = scale.cwiseProduct(mesh_from_file * vertex);
-    if (!(vertex.cwiseAbs().maxCoeff() <= kMaxSceneReach)) {
-      return input_failure(
-          file, "a vertex is more than " + number_text(kMaxSceneReach, 0) + " m from the origin",
-          "lengths are metres; give a mesh in millimetres the scale 0.001");
+    if (!(vertex.cwiseAbs().maxCoeff() <= reach)) {
+      return input_failure(file, "a vertex is more than " + reach_text(reach) + " from the origin",
+                           "lengths are metres; give a mesh in millimetres the scale 0.001");
     }
   }
   return mesh;
 }
 
 Result<TriangleMesh> find_scene_mesh(const std::string& named, const std::string& scene_file,
-                                     ColladaAxes axes, const Vector3d& scale,
+                                     ColladaAxes axes, double reach, const Vector3d& scale,
                                      const Pose& file_from_mesh) {
   if (const auto file = find_mesh_file(named, scene_file, {})) {
-    return load_scene_mesh(file->string(), axes, scale, file_from_mesh);
+    return load_scene_mesh(file->string(), axes, reach, scale, file_from_mesh);
   }
   // An absolute name replaces the folder.
   if (is_file(std::filesystem::path(scene_file).parent_path() / named)) {

@@ -16,20 +16,23 @@ namespace retarget {
 inline constexpr std::size_t kMaxSceneTriangles = 2'000'000;
 /// Maximum size of a shape, and distance of a shape or body from the origin of its frame, metres.
 inline constexpr double kMaxSceneReach = 1000.0;
+/// "1000 m", or the number in units of a file that is not in metres.
+[[nodiscard]] std::string reach_text(double reach);
 /// The bottom of a height field is at least this far below its heights, metres.
 inline constexpr double kHeightDepth = 1.0;
 
 /// Reads a mesh file of a scene. A vertex v becomes scale * (file_from_mesh^-1 * v), metres.
-/// @param axes  kOfFile for the meshes of robot models.
+/// @param axes   kOfFile for the meshes of robot models.
+/// @param reach  bound of the coordinates of the result.
 /// Errors: those of read_file and read_mesh_as_written; more than kMaxSceneTriangles triangles;
-/// vertices beyond kMaxSceneReach.
+/// vertices beyond the bound.
 [[nodiscard]] Result<TriangleMesh> load_scene_mesh(
-    const std::string& file, ColladaAxes axes,
+    const std::string& file, ColladaAxes axes, double reach,
     const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
 
 /// Loads a mesh that a scene names: next to the scene's file or one folder up.
 [[nodiscard]] Result<TriangleMesh> find_scene_mesh(
-    const std::string& named, const std::string& scene_file, ColladaAxes axes,
+    const std::string& named, const std::string& scene_file, ColladaAxes axes, double reach,
     const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
 
 /// Shapes with the surface of a mesh: a box for each component (a set of triangles that share

@@ -15,10 +15,15 @@ struct SceneWorld {
   SceneClip clip;
   std::vector<DistanceField> fields;  ///< One per body, for the sizes in `scales`.
   std::vector<double> scales;         ///< Size relative to that of the field, by body.
+  std::vector<char> fixed;            ///< By body: whether it keeps the pose of the scene's file.
 
   [[nodiscard]] std::size_t body_count() const { return fields.size(); }
   [[nodiscard]] bool moves(std::size_t body) const { return clip.scene->bodies[body].moves; }
-  /// Signed distance of a point in the world to a body; the normal is in world axes.
+  /// Whether a body carries feet and scales with its surroundings: it is static, or may move but has
+  /// no track.
+  [[nodiscard]] bool is_fixed(std::size_t body) const { return fixed[body] != 0; }
+  /// Signed distance of a point in the world to a body; the normal is in world axes. No way leads
+  /// out of a fixed body through an underside on the floor; its sides and its top are the nearest.
   [[nodiscard]] SurfaceDistance distance(int frame, std::size_t body,
                                          const Eigen::Vector3d& point) const;
   /// Whether a body is farther from a point than `distance`, metres, by its bounding sphere: a fast
@@ -28,7 +33,7 @@ struct SceneWorld {
     const double reach = scales[body] * fields[body].reach() + distance;
     return (point - clip.pose(frame, body).translation).squaredNorm() > reach * reach;
   }
-  /// Height of the highest surface of the static bodies that is below a point, metres; 0 (the
+  /// Height of the highest surface of the fixed bodies that is below a point, metres; 0 (the
   /// floor) if there is none. Bodies that contain the point are not below it.
   [[nodiscard]] double ground_below(int frame, const Eigen::Vector3d& point) const;
 };
@@ -56,8 +61,8 @@ class BodyAnchor {
   const DistanceField* field_;
 };
 
-/// The scene around a body of another size: static bodies and all paths are scaled about the origin
-/// of the world. Moving bodies keep their size, and their anchors have scaled positions.
+/// The scene around a body of another size: fixed bodies and all paths are scaled about the origin
+/// of the world. Other bodies keep their size, and their anchors have scaled positions.
 [[nodiscard]] SceneWorld scaled_world(const SceneWorld& world, double scale);
 
 }  // namespace retarget

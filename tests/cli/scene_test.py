@@ -6,7 +6,7 @@ import unittest
 import zipfile
 
 from scene_outputs_test import SCENE
-from tool import SHARED, ToolTest, raised_clip, read_rows, sample
+from tool import SHARED, ToolTest, moved_clip, raised_clip, read_rows, sample, unwrapped
 
 DATA = SHARED / "data"
 SCENES, FORMATS = DATA / "scenes", DATA / "formats"
@@ -69,6 +69,55 @@ class SceneTest(ToolTest):
         self.assertEqual(motion["scene_pen_1cm_pct"], 0.0)
         self.assertIn("scene_pen_1cm_pct", self.missed_when_moved(0.0, -0.05, *source))
         self.assertIn("scene_contact_kept_pct", self.missed_when_moved(0.0, 0.05, *source))
+
+    def box(self, height, **members):
+        """A scene of one large box on the floor."""
+        self.write("box.json", json.dumps({"bodies": [{
+            "name": "box", "position": [0.0, 0.0, height / 2],
+            "shapes": [{"type": "box", "size": [30.0, 30.0, height]}], **members}]}))
+        return "--scene", "box.json"
+
+    def test_lies_on_a_bed_and_on_a_mat(self):
+        for height in (0.5, 0.1):
+            self.write("raised.bvh", raised_clip("get_up", 286, 100.0 * height))
+            result = self.run_tool("--bvh", "raised.bvh", "--up", "y", *self.box(height), "--robot", "unitree_g1",
+                                   "-o", "out.csv", "--report", "out.json")
+            self.assertIn(result.returncode, (0, 1), result.stderr)
+            motion = json.loads((self.folder / "out.json").read_text())["motions"][0]
+            # Ankles near their limits while the body gets up.
+            self.assertLess(motion["scene_pen_1cm_pct"], 3.0, height)
+            self.assertLess(motion["scene_pen_max_cm"], 1.5, height)
+
+    def test_stands_on_a_body_at_rest_that_may_move(self):
+        self.write("raised.bvh", raised_clip("squat", 60, 30.0))
+        rows = []
+        for members in ({}, {"moves": True}):
+            motion = self.report("--bvh", "raised.bvh", *self.box(0.3, **members))
+            self.assertEqual(motion["scene_pen_1cm_pct"], 0.0)
+            rows.append(read_rows((self.folder / "out.csv").read_text()))
+        self.assertEqual(rows[0], rows[1])
+
+    def test_feet_on_a_moving_platform_give_a_warning_and_keep_the_root(self):
+        self.write("ride.bvh", moved_clip("squat", 120, lambda i, p: [p[0] + 1.7 * i, p[1] + 30.0, p[2]]))
+        # The BVH has y up, and its x is the x of the world.
+        self.write("box.csv", "x,y,z,qw,qx,qy,qz\n" + "".join(
+            f"{0.017 * i:.4f},0,0.15,1,0,0,0\n" for i in range(120)))
+        result = self.run_tool("--bvh", "ride.bvh", "--robot", "unitree_g1", *self.box(0.3),
+                               "--object-track", "box=box.csv", "-o", "out.csv")
+        self.assertIn(result.returncode, (0, 1), result.stderr)
+        self.assertIn('feet stand on "box" while its track moves it', unwrapped(result.stderr))
+        self.assertNotIn("the root moved", result.stdout)
+        rows = read_rows((self.folder / "out.csv").read_text())
+        self.assertGreater(rows[-1][0] - rows[0][0], 1.0)
+
+    def test_clip_axes_accept_a_large_scene_in_centimetres(self):
+        self.write("raised.bvh", raised_clip())
+        # The unit of the clip is the centimetre.
+        self.write("far.json", json.dumps({"bodies": [
+            {"name": "step", "position": [0, 10, 0], "shapes": [{"type": "box", "size": [200, 20, 200]}]},
+            {"name": "hill", "position": [0, 0, 5000], "shapes": [{"type": "box", "size": [2000, 10, 2000]}]}]}))
+        motion = self.report("--bvh", "raised.bvh", "--scene", "far.json", "--scene-axes", "clip")
+        self.assertEqual(motion["scene_contact_kept_pct"], 100.0)
 
     def test_distant_bodies_change_nothing(self):
         """The joints are smoother only near contacts. In a scene, the fit omits the dynamics."""

@@ -74,15 +74,20 @@ def short_clip(name, frames):
     return ("\n".join([*head, *lines[motion + 2:motion + 2 + frames]]) + "\n").encode()
 
 
-def raised_clip():
-    """The first 60 frames of the squat on a step of 20 cm. The second channel is the height in cm."""
-    lines = short_clip("squat", 60).decode().splitlines()
+def moved_clip(name, frames, move):
+    """The first frames of a sample. move(frame, place) changes the place of its root, x, y, z in cm, y up."""
+    lines = short_clip(name, frames).decode().splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time:")) + 1
     for i in range(first, len(lines)):
         values = lines[i].split()
-        values[1] = str(float(values[1]) + 20.0)
+        values[:3] = [str(x) for x in move(i - first, [float(x) for x in values[:3]])]
         lines[i] = " ".join(values)
     return "\n".join(lines) + "\n"
+
+
+def raised_clip(name="squat", frames=60, height=20.0):
+    """The first frames of a sample, by default on a step of 20 cm."""
+    return moved_clip(name, frames, lambda _, place: [place[0], place[1] + height, place[2]])
 
 
 def read_rows(text):

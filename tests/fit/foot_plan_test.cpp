@@ -417,8 +417,42 @@ TEST(FootPlan, AFootOnABoxBesideOneOnTheFloorIsNotRaised) {
   }
   FootPlan plan;
   const ContactOptions options = contact_options({});
-  plan_feet(both, find_contacts(both, options), options, std::array{0, 1}, 1.0, plan);
+  plan_feet(both, find_contacts(both, options), options, std::array{0, 1}, 1.0, {}, plan);
   EXPECT_EQ(raised_frames(plan, both.frame_count()).count, 0);
+}
+
+// A foot that lies down on a bed has the goals of one on the floor, at the height of the bed.
+TEST(FootPlan, FeetOnABedLieAsOnTheFloor) {
+  constexpr double kBed = 0.5;
+  SourceFeet feet = make_feet(3.0, 30.0, [](double t) {
+    return FootPlace{t < 1.0 ? 0.0 : 0.3 * std::min(1.0, t - 1.0), t < 1.0 ? 0.0 : 0.01};
+  });
+  for (std::size_t frame = 30; frame < feet.feet.size(); ++frame) feet.feet[frame].up = 0.0;
+  const ContactOptions options = contact_options({});
+  ContactPlan contacts = find_contacts(feet, options);
+  FootPlan low, high;
+  plan_feet(feet, contacts, options, std::array{0}, 1.0, {}, low);
+  for (SourceFoot& foot : feet.feet) {
+    foot.ankle.z() += kBed;
+    foot.toe.z() += kBed;
+  }
+  for (EndContacts& end : contacts.ends[0]) {
+    for (ContactPhase& phase : end.phases) phase.support += kBed;
+  }
+  const std::vector<double> ground(2 * feet.feet.size(), kBed);
+  plan_feet(feet, contacts, options, std::array{0}, 1.0, ground, high);
+  EXPECT_GT(*std::ranges::max_element(low.lying), 0.9);
+  for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    EXPECT_NEAR(high.lying_of(frame)[0], low.lying_of(frame)[0], 1e-9) << frame;
+    EXPECT_NEAR(high.upright_of(frame)[0], low.upright_of(frame)[0], 1e-9) << frame;
+    for (std::size_t end : {kHeelEnd, kToeEnd}) {
+      const FootEndGoal &on_bed = high.ends_of(frame)[end], &on_floor = low.ends_of(frame)[end];
+      EXPECT_NEAR(on_bed.support, kBed, 1e-9) << frame;
+      // On the floor, no clearance is negative.
+      EXPECT_NEAR(std::max(0.0, on_bed.clearance - kBed), on_floor.clearance, 1e-9) << frame;
+      EXPECT_NEAR(on_bed.importance, on_floor.importance, 1e-9) << frame;
+    }
+  }
 }
 
 TEST(FootPlan, FlatFootHasHeelAndToeAtTheSameHeight) {

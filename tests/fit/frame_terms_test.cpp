@@ -330,6 +330,27 @@ TEST_F(FrameTermsTest, TermsCanBeDisabled) {
   EXPECT_EQ(assemble(qpos), 0.0);
 }
 
+TEST_F(FrameTermsTest, ALyingFootRestsOnTheSurfaceBelowIt) {
+  FitOptions options;
+  options.floor = options.self_collision = options.foot_height = false;
+  options.contact = true;
+  use(options);
+  auto qpos = random_configuration(0.3, 1.5);
+  set_goals(qpos, 0.0);
+  supports_.assign(supports_.size(), {});
+  ends_[0].level = false;
+  upright_ = {0.0, 1.0};
+  const auto height_cost = [&](double support) {
+    for (FootEndGoal& end : ends_) end.support = support;
+    assemble(qpos);
+    return costs_[kTermContactHeight];
+  };
+  const double on_floor = height_cost(0.0);
+  EXPECT_GT(on_floor, 0.0);
+  qpos[2] += 0.4;
+  EXPECT_NEAR(height_cost(0.4), on_floor, 1e-9 * on_floor);
+}
+
 TEST_F(FrameTermsTest, PosesMatchTheRobot) {
   for (int round = 0; round < 5; ++round) {
     const auto qpos = random_configuration(0.8, 1.0);

@@ -43,7 +43,7 @@ inline FootPlace step(double t) {
 inline FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
   FootPlan plan;
   const ContactOptions options = contact_options({});
-  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, scale, plan);
+  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, scale, {}, plan);
   return plan;
 }
 

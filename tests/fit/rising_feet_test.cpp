@@ -52,7 +52,7 @@ TEST(RisingFeet, FlatFootStaysOnTheFloorWithLowContacts) {
   low.contact_height = 0.02;
   const ContactOptions options = contact_options(low);
   FootPlan plan;
-  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, 1.0, plan);
+  plan_feet(feet, find_contacts(feet, options), options, std::array{0}, 1.0, {}, plan);
   EXPECT_EQ(plan.ends_of(45)[kHeelEnd].lift, 0.0);
   EXPECT_EQ(plan.ends_of(45)[kToeEnd].lift, 0.0);
 }

@@ -84,6 +84,12 @@ TEST(CleanClip, RemovesSwayFromTheRoot) {
   // The position of the body as a whole is unknown.
   EXPECT_LT(farthest_root(clip, noisy), 4.0);
   EXPECT_EQ(mean_angle(clip, noisy), 0.0);
+  // Feet may sway with the body that carries them.
+  Clip carried = swaying;
+  const Calibration calibration = lafan1_calibration(clip.skeleton());
+  EXPECT_FALSE(
+      clean_clip(carried, {0, clip.frame_count()}, calibration, {}, RootRule::kKept).acted());
+  EXPECT_EQ(farthest_root(swaying, carried), 0.0);
 }
 
 // Joints of LAFAN1's skeleton whose names begin so keep their first rotation.

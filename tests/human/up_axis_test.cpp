@@ -259,6 +259,18 @@ TEST(ChooseUp, WarnsIfABodyThatStandsInTheAirMayLie) {
   EXPECT_EQ(chosen(clip, {SignedAxis{}}).doubt, "");
 }
 
+// A clip of a body that gets up keeps its axis if it is raised, as onto a bed.
+TEST(ChooseUp, RaisedBodiesKeepTheirAxis) {
+  const Clip clip = recorded_clip("get_up");
+  for (const double height : {0.0, 30.0, 50.0, 100.0}) {
+    Clip raised = clip;
+    move_by(raised, {0.0, height, 0.0});
+    const UpChoice choice = chosen(raised, {SignedAxis{}});
+    EXPECT_EQ(choice.axis, SignedAxis{}) << height;
+    EXPECT_EQ(choice.doubt, "") << height;
+  }
+}
+
 // Files rarely have x up. A body that seems to stand along it, but not at height 0, rather lies on
 // the floor of y.
 TEST(ChooseUp, PrefersTheFloorOfACommonAxisToStandingAlongARareOne) {

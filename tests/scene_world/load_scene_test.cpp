@@ -10,6 +10,7 @@
 
 #include "retarget/scene.h"
 #include "retarget/so3.h"
+#include "scene/read_scene.h"
 #include "scene_world/mesh_bodies.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
@@ -46,6 +47,22 @@ class LoadScene : public ::testing::Test {
   }
   TemporaryFolder folder_;
 };
+
+// The bound of 1000 m applies in metres, whatever the unit of the file.
+TEST_F(LoadScene, BoundsLengthsInMetres) {
+  const std::string box = folder_.write("box.json", R"({"bodies": [
+    {"position": [0, 2000, 0], "shapes": [{"type": "box", "size": [3000, 200, 3000]}]}]})");
+  const std::string mesh = folder_.write("mesh.obj",
+                                         "v 0 0 0\nv 0 5000 0\nv 5000 0 0\nv 0 0 5000\n"
+                                         "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
+  for (const std::string& file : {box, mesh}) {
+    EXPECT_FALSE(load_scene(file));
+    const auto scene = load_scene_in_unit(file, 0.001);
+    EXPECT_TRUE(scene) << describe(scene.error());
+    EXPECT_TRUE(load_scene_in_unit(file, 0.1));
+    EXPECT_FALSE(load_scene_in_unit(file, 0.5));
+  }
+}
 
 TEST_F(LoadScene, ReadsPrimitivesFromJson) {
   const auto scene = value_of(load("room.json", R"({"bodies": [

@@ -6,6 +6,7 @@
 
 #include "retarget/scene.h"
 #include "retarget/so3.h"
+#include "scene/scene_world.h"
 #include "scene_world/mesh_bodies.h"
 #include "support/npz_builder.h"
 #include "support/shared_data.h"
@@ -81,6 +82,44 @@ TEST(PlaceScene, MovesTheOnlyBody) {
       value_of(place_scene(scene, std::vector{track_of(5)}, {{30, 1}, 5, 0, {30, 1}, 5}));
   EXPECT_TRUE(clip.scene->bodies[0].moves);
   expect_frame(clip.pose(4, 0), 4.0);
+}
+
+SceneWorld world_with_box(const std::vector<ObjectTrack>& tracks) {
+  SceneShape box;
+  box.type = SceneShape::Type::kBox;
+  box.half_size = {1.0, 1.0, 0.15};
+  auto scene = std::make_shared<Scene>();
+  scene->bodies = {body_of(box)};
+  scene->bodies[0].moves = true;
+  scene->bodies[0].world_from_body.translation = {0.0, 0.0, 0.15};
+  auto clip = place_scene(scene, tracks, {{30, 1}, 20, 0, {30, 1}, 20});
+  return make_scene_world(std::move(clip).value()).value();
+}
+
+// A body without a track is at rest, even if it could move.
+TEST(PlaceScene, BodiesAtRestCarryFeetAndScale) {
+  const SceneWorld rests = world_with_box({}), moves = world_with_box({track_of(20)});
+  EXPECT_TRUE(rests.is_fixed(0));
+  EXPECT_FALSE(moves.is_fixed(0));
+  EXPECT_NEAR(rests.ground_below(5, {0.2, 0.0, 0.5}), 0.3, 1e-3);
+  EXPECT_EQ(moves.ground_below(5, {0.2, 0.0, 0.5}), 0.0);
+  EXPECT_NEAR(scaled_world(rests, 0.5).ground_below(5, {0.2, 0.0, 0.5}), 0.15, 1e-3);
+}
+
+// A point below the middle of a box on the floor leaves it through the top.
+TEST(PlaceScene, NoWayLeadsOutThroughAnUndersideOnTheFloor) {
+  const SceneWorld world = world_with_box({});
+  for (const double z : {0.0004, 0.05, 0.14}) {
+    const SurfaceDistance found = world.distance(0, 0, {0.2, 0.0, z});
+    EXPECT_NEAR(found.distance, z - 0.3, 1e-3) << z;
+    EXPECT_NEAR(found.normal.z(), 1.0, 1e-9) << z;
+  }
+  // Sides and the top remain ways out, and so does the underside of a body in the air.
+  for (const double z : {0.005, 0.05}) {
+    EXPECT_NEAR(world.distance(0, 0, {0.99, 0.0, z}).distance, -0.01, 1e-6) << z;
+  }
+  EXPECT_NEAR(world.distance(0, 0, {0.0, 0.0, 0.29}).distance, -0.01, 1e-6);
+  EXPECT_LT(world_with_box({track_of(20)}).distance(0, 0, {0.0, 0.0, -0.14}).normal.z(), -0.9);
 }
 
 TEST(PlaceScene, RejectsTracksThatDoNotMatch) {

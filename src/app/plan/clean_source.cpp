@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/plan/set_up_robot.h"
+#include "app/plan/surroundings.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/floor_tilt.h"
@@ -146,19 +147,21 @@ Result<HumanInClip> find_human_as_run(Clip& clip, const Options& options,
   return find_human(clip, options.human, data_folder);
 }
 
-void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
-  if (!may_clean(clip, plan.options)) return;
+Result<void> clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
+  if (!may_clean(clip, plan.options)) return {};
+  TRY_ASSIGN(const bool rides, stands_on_moving_body(clip, plan));
   doubt_freezes(clip, plan);
   doubt_limbs(clip, plan);
   CleanReport report =
-      clean_clip(clip, plan.part, plan.human.calibration, notes.positions.foot_noise);
+      clean_clip(clip, plan.part, plan.human.calibration, notes.positions.foot_noise,
+                 rides ? RootRule::kKept : RootRule::kFollowsFeet);
   std::vector<std::string> first;
   for (const std::string& note : {notes.held, notes.positions.note}) {
     if (!note.empty()) first.push_back(note);
   }
   for (const std::string& spike : notes.spikes) first.push_back(spike + ": bridged");
   report.notes.insert(report.notes.begin(), first.begin(), first.end());
-  if (!report.acted()) return;
+  if (!report.acted()) return {};
   for (const std::string& note : report.notes) {
     plan.clip_notes.push_back({&note == report.notes.data() ? "cleaned" : "", note});
   }
@@ -167,6 +170,7 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   look_above_noise(report.foot_noise.speed, plan.fit);
   constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
   plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_noise.speed / kNoisySpeed));
+  return {};
 }
 
 void doubt_jumps(const Clip& clip, Plan& plan) {

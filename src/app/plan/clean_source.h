@@ -25,8 +25,9 @@ struct SourceNotes {
 /// records the changes. Raises the fit's contact thresholds (speeds and heights) above the residual
 /// speed of standing feet, up to a limit, and lowers its weights of other contacts.
 /// @param notes  result of clean_source_frames().
-/// @pre the plan's options, human, part and fit are known
-void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan);
+/// @pre the plan's options, human, part, scene and fit are known
+/// Errors: those of stands_on_moving_body().
+[[nodiscard]] Result<void> clean_source(Clip& clip, const SourceNotes& notes, Plan& plan);
 
 /// Warns if the hips or thighs of a plan's clip jump (find_source_jumps). Omitted for clips of
 /// robots.

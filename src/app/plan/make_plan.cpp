@@ -166,7 +166,8 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.config = config;
   plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
-  clean_source(clip, source_notes, plan);
+  TRY(load_surroundings(clip, plan));
+  TRY(clean_source(clip, source_notes, plan));
   doubt_jumps(clip, plan);
   doubt_level(clip, plan);
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
@@ -177,7 +178,6 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   TRY(load_edits(clip, plan));
-  TRY(load_surroundings(clip, plan));
   TRY(check_scene_fit(clip, plan));
   TRY(scale_source_travel(clip, plan));
   TRY(vary_scene(clip, plan));

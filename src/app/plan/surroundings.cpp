@@ -26,6 +26,7 @@
 #include "retarget/text.h"
 #include "scene/body_mass.h"
 #include "scene/change_scene.h"
+#include "scene/read_scene.h"
 #include "scene/scene_shapes.h"
 #include "solve/fit/foot_plan.h"
 
@@ -43,7 +44,10 @@ bool is_same_file(const std::string& a, const std::string& b) {
 Result<void> load_surroundings(const Clip& clip, Plan& plan) {
   const SolveOptions& solve = plan.options.solve;
   if (solve.scene.empty()) return {};
-  TRY_ASSIGN(Scene scene, load_scene(solve.scene));
+  const Calibration& calibration = plan.human.calibration;
+  const bool in_clip_axes = solve.scene_axes == SceneAxes::kClip;
+  TRY_ASSIGN(Scene scene,
+             load_scene_in_unit(solve.scene, in_clip_axes ? calibration.metres_per_unit : 1.0));
   for (const std::string& spec : solve.object_tracks) {
     TRY_ASSIGN(ObjectTrack track, load_object_track(spec));
     // The user's rate replaces that of the whole file.
@@ -51,8 +55,7 @@ Result<void> load_surroundings(const Clip& clip, Plan& plan) {
     if (plan.options.source.source_fps > 0.0 && is_of_clip) track.rate.reset();
     plan.object_tracks.push_back(std::move(track));
   }
-  if (solve.scene_axes == SceneAxes::kClip) {
-    const Calibration& calibration = plan.human.calibration;
+  if (in_clip_axes) {
     bring_to_world(calibration.human_from_source, calibration.metres_per_unit, scene,
                    plan.object_tracks);
   }
@@ -134,16 +137,32 @@ constexpr double kOnTop = 0.15;        // Distance of an ankle from a body below
 constexpr double kUpward = 0.7;        // Smallest z of the normal of a surface to stand on.
 constexpr double kInterval = 0.1;      // Seconds between the checked frames.
 
+constexpr double kMoving = 0.05;  // Speed of a body that moves, m/s.
+constexpr double kRides = 0.2;    // Smallest share of the frames with a foot on a moving body.
+
 // Consistency of a scene with the human in it.
 struct SceneFit {
   double nearest = std::numeric_limits<double>::infinity();  ///< Metres, over bodies and frames.
   double inside = 0.0;   ///< Share of the frames with a joint inside.
   double deepest = 0.0;  ///< Metres.
   std::string body;      ///< Body with the depth `deepest`.
-  double stood = 0.0;    ///< Share of the frames with a foot on a static body.
+  double stood = 0.0;    ///< Share of the frames with a foot on a fixed body.
+  double carried = 0.0;  ///< Share of the frames with a foot on a body that is moving.
+  std::string carrier;   ///< Last such body.
 
   [[nodiscard]] bool is_good() const { return nearest <= kNear && inside <= kOftenInside; }
+  [[nodiscard]] bool carries() const { return carried > kRides; }
 };
+
+bool is_moving(const SceneWorld& world, int frame, std::size_t body) {
+  const int last = world.clip.frame_count - 1;
+  const auto reach = static_cast<int>(kInterval / world.clip.rate.frame_time());
+  const int from = std::max(0, frame - reach), to = std::min(last, frame + reach);
+  if (from >= to) return false;
+  const Vector3d step =
+      world.clip.pose(to, body).translation - world.clip.pose(from, body).translation;
+  return step.norm() > kMoving * world.clip.rate.frame_time() * (to - from);
+}
 
 Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
                              const std::shared_ptr<const Scene>& scene,
@@ -157,19 +176,24 @@ Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
   HumanPose pose;
   SceneFit fit;
   const int step = std::max(1, static_cast<int>(kInterval / clip.rate().frame_time()));
-  int frames = 0, inside = 0, stood = 0;
+  int frames = 0, inside = 0, stood = 0, carried = 0;
   for (int frame = plan.part.begin; frame < plan.part.end; frame += step) {
     poser.pose(frame, pose);
     double deepest = 0.0;
-    bool stands = false;
+    bool stands = false, rides = false;
     for (const Bone bone : kMappedBones) {
       if (!poser.info().has(bone)) continue;
       for (std::size_t body = 0; body < world.body_count(); ++body) {
         const SurfaceDistance found =
             world.distance(frame - plan.part.begin, body, pose[bone].translation);
         const double distance = found.distance;
-        stands = stands || (limb_bone(bone) == LimbBone::kFoot && !world.moves(body) &&
-                            std::abs(distance) < kOnTop && found.normal.z() > kUpward);
+        const bool on_top = limb_bone(bone) == LimbBone::kFoot && std::abs(distance) < kOnTop &&
+                            found.normal.z() > kUpward;
+        stands = stands || (on_top && world.is_fixed(body));
+        if (on_top && !world.is_fixed(body) && is_moving(world, frame - plan.part.begin, body)) {
+          rides = true;
+          fit.carrier = world.clip.scene->bodies[body].name;
+        }
         fit.nearest = std::min(fit.nearest, distance);
         deepest = std::max(deepest, -distance);
         if (-distance > std::max(fit.deepest, kDeep))
@@ -180,10 +204,12 @@ Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
     ++frames;
     inside += deepest > kDeep ? 1 : 0;
     stood += stands ? 1 : 0;
+    carried += rides ? 1 : 0;
   }
   if (frames > 0) {
     fit.inside = static_cast<double>(inside) / frames;
     fit.stood = static_cast<double>(stood) / frames;
+    fit.carried = static_cast<double>(carried) / frames;
   }
   return fit;
 }
@@ -231,9 +257,23 @@ std::string doubt_about(const SceneFit& fit, const std::string& scene) {
 
 }  // namespace
 
+Result<bool> stands_on_moving_body(const Clip& clip, const Plan& plan) {
+  if (!plan.scene || plan.object_tracks.empty()) return false;
+  TRY_ASSIGN(const SceneFit fit, measure_fit(clip, plan, plan.scene, plan.object_tracks));
+  return fit.carries();
+}
+
 Result<void> check_scene_fit(const Clip& clip, Plan& plan) {
   if (!plan.scene || !plan.options.solve.terrain.empty()) return {};
   TRY_ASSIGN(const SceneFit fit, measure_fit(clip, plan, plan.scene, plan.object_tracks));
+  if (fit.carries()) {
+    plan.clip_doubts.push_back(
+        {0, 0,
+         fmt::format(
+             "feet stand on \"{}\" while its track moves it: retarget holds feet only on the "
+             "floor and on bodies at rest, so they may slide on it and sink into it",
+             fit.carrier)});
+  }
   constexpr double kNever = 0.02, kOften = 0.2;  // Shares of the frames.
   const bool has_ground = !std::ranges::all_of(plan.scene->bodies, &SceneBody::moves);
   if (fit.is_good() && (fit.stood > kNever || !has_ground)) return {};

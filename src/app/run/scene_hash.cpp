@@ -8,6 +8,7 @@
 #include "base/try.h"
 #include "retarget/hash.h"
 #include "retarget/scene.h"
+#include "scene/read_scene.h"
 
 namespace retarget {
 namespace {
@@ -63,7 +64,8 @@ class SceneHasher {
 }  // namespace
 
 Result<std::string> scene_hash(const std::string& file) {
-  TRY_ASSIGN(const Scene scene, load_scene(file));
+  constexpr double kSmallestUnit = 0.001;  // Metres.
+  TRY_ASSIGN(const Scene scene, load_scene_in_unit(file, kSmallestUnit));
   TRY_ASSIGN(auto content, ContentHasher::create());
   SceneHasher hasher(std::move(content));
   for (const SceneBody& body : scene.bodies) hasher.add(body);

@@ -39,8 +39,8 @@ bool has_positions_only(const Clip& clip) {
 class ClipCleaner {
  public:
   ClipCleaner(Clip& clip, FrameRange part, const Calibration& calibration,
-              const FootNoise& foot_noise)
-      : clip_(clip), part_(part), calibration_(calibration) {
+              const FootNoise& foot_noise, RootRule root)
+      : clip_(clip), part_(part), calibration_(calibration), root_(root) {
     report_.foot_noise = foot_noise;
   }
 
@@ -51,7 +51,7 @@ class ClipCleaner {
     // Rotations computed from positions follow the smoothed positions.
     if (!has_positions_only(clip_)) smooth_rotations();
     jittery_ = report_.foot_noise.wander > 0.0;
-    move_root();
+    if (root_ == RootRule::kFollowsFeet) move_root();
     return std::move(report_);
   }
 
@@ -285,6 +285,7 @@ class ClipCleaner {
   Clip& clip_;
   FrameRange part_;
   const Calibration& calibration_;
+  RootRule root_;
   bool jittery_ = false;  // The limbs had noise, and some of it remains.
   CleanReport report_;
 };
@@ -292,8 +293,8 @@ class ClipCleaner {
 }  // namespace
 
 CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
-                       const FootNoise& foot_noise) {
-  return ClipCleaner(clip, part, calibration, foot_noise).clean();
+                       const FootNoise& foot_noise, RootRule root) {
+  return ClipCleaner(clip, part, calibration, foot_noise, root).clean();
 }
 
 namespace {

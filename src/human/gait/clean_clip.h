@@ -24,6 +24,11 @@ struct CleanReport {
   [[nodiscard]] bool acted() const { return !notes.empty(); }
 };
 
+enum class RootRule {
+  kFollowsFeet,  ///< Standing feet are at rest.
+  kKept,         ///< They may stand on bodies that move.
+};
+
 /// Removes the noise of video estimates and IMU suits where it is measured. Does not
 /// change other clips.
 ///
@@ -35,7 +40,7 @@ struct CleanReport {
 /// feet are held in their stances (plant_noisy_feet.h).
 /// @param foot_noise  of the clip's positions (clean_positions)
 CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
-                       const FootNoise& foot_noise = {});
+                       const FootNoise& foot_noise = {}, RootRule root = RootRule::kFollowsFeet);
 
 /// Interpolates over spikes of a clip made from joint positions alone (bridge_spikes for tracks).
 /// Then recomputes the rotations. Does not change other clips.

@@ -153,17 +153,21 @@ class SurfaceContactFinder {
   std::vector<Vector3d> places_;   // One per frame, in the frame of the body.
 };
 
+// Height of the ground under an end of a foot, metres.
+double ground_under(const SceneWorld& world, int frame, const Vector3d& point, double scale) {
+  const double ground = world.ground_below(frame, point + kAboveFoot * scale * Vector3d::UnitZ());
+  // A foot that passes through the edge of a step does not stand on it.
+  return point.z() > ground - kSunkFoot * scale ? ground : 0.0;
+}
+
 // The feet above the ground under them instead of above z = 0.
 SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale) {
   for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    const auto lower = [&](Vector3d& point) {
+      point.z() -= ground_under(world, frame, point, scale);
+    };
     for (int foot = 0; foot < feet.foot_count; ++foot) {
       SourceFoot& of_frame = feet.feet[static_cast<std::size_t>(frame * feet.foot_count + foot)];
-      const auto lower = [&](Vector3d& end) {
-        const Vector3d above = end + kAboveFoot * scale * Vector3d::UnitZ();
-        const double ground = world.ground_below(frame, above);
-        // A foot that passes through the edge of a step does not stand on it.
-        if (end.z() > ground - kSunkFoot * scale) end.z() -= ground;
-      };
       lower(of_frame.ankle);
       lower(of_frame.toe);
       if (of_frame.heel) lower(*of_frame.heel);
@@ -225,7 +229,7 @@ std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const
       double nearest = std::min(phase.support, kOnSurface * contacts.scale);
       int under = -1;
       for (std::size_t body = 0; body < world.body_count(); ++body) {
-        if (world.moves(body)) continue;
+        if (!world.is_fixed(body)) continue;
         const double distance = std::abs(world.distance(frame, body, place).distance);
         if (distance >= nearest) continue;
         nearest = distance;
@@ -307,6 +311,19 @@ ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& f
   ContactPlan contacts = find_contacts(feet_over_ground(world, feet, size), options);
   add_ground(world, feet, contacts);
   return contacts;
+}
+
+std::vector<double> ground_under_feet(const SceneWorld& world, const SourceFeet& feet) {
+  const double size = feet.leg_length() / kUsualSourceLeg;
+  std::vector<double> ground;
+  for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    for (int foot = 0; foot < feet.foot_count; ++foot) {
+      for (const int end : {kHeelEnd, kToeEnd}) {
+        ground.push_back(ground_under(world, frame, feet.at(frame, foot).end(end), size));
+      }
+    }
+  }
+  return ground;
 }
 
 void set_contacts(const SceneWorld& world, const SourceFeet& feet, const ContactPlan& contacts,

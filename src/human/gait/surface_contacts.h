@@ -75,6 +75,11 @@ struct SurfacePhase {
 [[nodiscard]] ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
                                                   const ContactOptions& options = {});
 
+/// Heights of the ground under the ends of feet, metres; 0: the floor, or an end inside a body.
+/// Frame-major, then by foot, then kHeelEnd and kToeEnd.
+[[nodiscard]] std::vector<double> ground_under_feet(const SceneWorld& world,
+                                                    const SourceFeet& feet);
+
 /// Sets the contacts of a solved scene: `contacts`, `on_floor` and `under_feet`.
 /// @param contacts  result of find_contacts_on_ground.
 /// @param phases    result of find_surface_contacts.

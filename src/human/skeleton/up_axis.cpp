@@ -126,9 +126,13 @@ class UpChooser {
   // Whether the body, which seems to stand along an axis, may lie or crawl along the other one.
   [[nodiscard]] bool may_lie_along(const SignedAxis& other, const SignedAxis& axis) const {
     const FloorEvidence along = floor(axis), rival = floor(other);
-    if (!along.on_floor()) return rival.resting() || (along.is_far() && rival.may_rest());
-    return rival.resting() && rival.hips < along.hips - kLowerHips &&
-           guess_.certainty < kBeyondDoubt;
+    const bool is_lower = rival.hips < along.hips - kLowerHips;
+    if (along.on_floor()) {
+      return rival.resting() && is_lower && guess_.certainty < kBeyondDoubt;
+    }
+    // A clip that was raised has a steady floor at another height.
+    if (along.is_steady() && !is_lower) return false;
+    return rival.resting() || (along.is_far() && rival.may_rest());
   }
 
   // A common axis along which the body may lie or crawl instead.

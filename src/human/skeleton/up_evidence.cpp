@@ -146,8 +146,12 @@ bool is_centred(const std::vector<Vector3d>& hips) {
 
 }  // namespace
 
+bool FloorEvidence::is_steady() const {
+  return wander < kSteady;
+}
+
 bool FloorEvidence::on_floor() const {
-  return std::abs(level) <= kNearFloor && wander < kSteady;
+  return std::abs(level) <= kNearFloor && is_steady();
 }
 
 bool FloorEvidence::resting() const {

@@ -40,6 +40,8 @@ struct FloorEvidence {
   /// clip in which they do not move at all. False in centred motions, also with noise.
   bool is_placed = false;
 
+  /// Whether the lowest joint stays at one height, as on a floor.
+  [[nodiscard]] bool is_steady() const;
   /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
   [[nodiscard]] bool on_floor() const;
   /// Whether the body rests on a floor at height 0: no joint is far below it, and the hips have

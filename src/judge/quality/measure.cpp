@@ -184,7 +184,8 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   Posture posture = upright_posture(clip.frame_count());
   if (source != nullptr && !held) {
     ground.emplace(*source, frames);
-    posture = find_posture(*source->human, clip.frame_count(), frames, ground->floor);
+    posture =
+        find_posture(*source->human, clip.frame_count(), frames, ground->floor, source->scene);
   }
   if (posture.lying_pct) draft.set("lying_pct", *posture.lying_pct);
   std::optional<JointDemand> demand;

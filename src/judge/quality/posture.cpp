@@ -25,18 +25,23 @@ Posture upright_posture(int frames) {
   return {std::vector<char>(static_cast<std::size_t>(frames), 1), std::nullopt, 0.0};
 }
 
-Posture find_posture(const HumanClip& human, int frames, int source_frames, double floor) {
+Posture find_posture(const HumanClip& human, int frames, int source_frames, double floor,
+                     const SceneWorld* scene) {
   Posture posture = upright_posture(frames);
   posture.floor = floor;
   const auto standing = standing_trunk(human);
   const double leg = leg_length(human);
   if (!standing || !(leg > 0.0) || source_frames == 0) return posture;
   const int margin = static_cast<int>(std::lround(kGettingUp / human.rate.frame_time()));
+  const auto height = [&](int frame, const Eigen::Vector3d& hips) {
+    const bool in_scene = scene != nullptr && frame < scene->clip.frame_count;
+    return hips.z() - (in_scene ? scene->ground_below(frame, hips) : floor);
+  };
   int lying = 0;
   for (int frame = 0; frame < source_frames; ++frame) {
     const HumanPose& pose = human.frame(frame);
     const auto trunk = trunk_frame(trunk_lines(pose));
-    if (!trunk || pose[Bone::kHips].translation.z() - floor >= kLowHips * leg) continue;
+    if (!trunk || height(frame, pose[Bone::kHips].translation) >= kLowHips * leg) continue;
     if (trunk_up(*trunk, *standing).z() >= kLyingUpright) continue;
     ++lying;
     std::fill(posture.upright.begin() + std::max(frame - margin, 0),

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "retarget/human.h"
+#include "scene/scene_world.h"
 
 namespace retarget {
 
@@ -34,8 +35,9 @@ struct Posture {
 /// @param frames         number of frames of the motion.
 /// @param source_frames  number of these frames that the source covers; the rest is upright.
 /// @param floor          height of the floor under the source, metres.
+/// @param scene          scene around the source, whose bodies may carry it; null: none.
 [[nodiscard]] Posture find_posture(const HumanClip& human, int frames, int source_frames,
-                                   double floor);
+                                   double floor, const SceneWorld* scene);
 
 /// Posture of a motion without a known source: upright in all frames.
 [[nodiscard]] Posture upright_posture(int frames);

@@ -102,14 +102,10 @@ class SceneMeter {
       add_probes(placed(rounded(shape), at.link_from_body), kSpacing,
                  probes_[static_cast<std::size_t>(at.link)]);
     }
-    // For feet, sole points replace the points of shapes, which may extend below the sole.
-    std::vector<char> has_sole(probes_.size(), 0);
     for (const Sole& sole : robot_.profile().soles) {
       const KinematicTree::Attachment& at = robot_.tree().attachment(sole.body);
       if (at.link == KinematicTree::kWorld) continue;
       const auto link = static_cast<std::size_t>(at.link);
-      if (has_sole[link] == 0) probes_[link].clear();
-      has_sole[link] = 1;
       for (const Vector3d& point : sole.points) {
         probes_[link].push_back({at.link_from_body * point, 0.0});
       }

@@ -353,7 +353,10 @@ Result<FitResult> Fit::run() {
     report.floor_height = floor_height(result.contacts.standing, scale);
     std::vector<int> source_feet;
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
-    plan_feet(feet_, result.contacts, contact_options(options_), source_feet, scale, clip_.feet);
+    const std::vector<double> ground =
+        run_.scene ? ground_under_feet(*run_.scene, feet_) : std::vector<double>();
+    plan_feet(feet_, result.contacts, contact_options(options_), source_feet, scale, ground,
+              clip_.feet);
     plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
     ease_contacts(feet_, source_feet, scale, clip_.feet);
     note_floor(result.contacts.standing, report);

@@ -19,6 +19,11 @@ constexpr double kLyingReach = 0.12;
 // times the lateral slope.
 constexpr double kHalfWidth = 0.03;
 
+// Height of the source's end above the surface below it, metres.
+double above_surface(const FootEndGoal& goal) {
+  return goal.clearance - goal.support;
+}
+
 // Increases the clearance weights in flight. While all feet are off the ground, only their
 // clearances determine the height of the body. The increase is largest for the lower end of a foot,
 // because a robot's foot has another length than the source's and cannot meet both clearances of a
@@ -39,7 +44,7 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   const auto lowest = [&](int frame) {
     double min = HUGE_VAL;
     for (const FootEndGoal& goal : at_frame(frame)) {
-      min = std::min(min, goal.level ? 0.0 : goal.clearance);
+      min = std::min(min, goal.level ? 0.0 : above_surface(goal));
     }
     return min;
   };
@@ -78,10 +83,9 @@ void lift_ends(double begin_height, double scale, FootPlan& plan) {
   for (std::size_t i = 0; i + 1 < plan.ends.size(); i += 2) {
     FootEndGoal &heel = plan.ends[i], &toe = plan.ends[i + 1];
     if (heel.phase < 0 || toe.phase < 0 || !heel.level || !toe.level) continue;
-    const auto rise = [](const FootEndGoal& end) { return end.clearance - end.support; };
-    const bool heel_rises = rise(heel) > rise(toe);
+    const bool heel_rises = above_surface(heel) > above_surface(toe);
     FootEndGoal& high = heel_rises ? heel : toe;
-    const double over = rise(high) - std::max(0.0, rise(heel_rises ? toe : heel));
+    const double over = above_surface(high) - std::max(0.0, above_surface(heel_rises ? toe : heel));
     high.lift = std::clamp((over / scale - begin) / (full - begin), 0.0, 1.0);
   }
 }
@@ -225,7 +229,8 @@ ContactOptions contact_options(const FitOptions& options) {
 }
 
 void plan_feet(const SourceFeet& source, const ContactPlan& contacts, const ContactOptions& options,
-               std::span<const int> source_feet, double scale, FootPlan& plan) {
+               std::span<const int> source_feet, double scale, std::span<const double> ground,
+               FootPlan& plan) {
   plan.foot_count = static_cast<int>(source_feet.size());
   plan.support_count = 0;
   plan.ends.clear();
@@ -245,8 +250,11 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts, const Cont
         // The height of a known sole already includes the lateral slope.
         if (!foot.heel) goal.clearance += kHalfWidth * scale * std::abs(foot.side);
         goal.importance = std::sqrt(upright);
+        if (!ground.empty()) {
+          goal.support = scale * ground[at(2 * (frame * source.foot_count + side) + end)];
+        }
         plan.ends.push_back(goal);
-        lowest = std::min(lowest, goal.clearance);
+        lowest = std::min(lowest, above_surface(goal));
       }
       plan.lying.push_back((1.0 - upright) * std::clamp(1.0 - lowest / kLyingReach, 0.0, 1.0));
     }

@@ -85,9 +85,11 @@ struct RaisedFrames {
 /// otherwise.
 /// @param source_feet  source foot of each robot foot: 0 left, 1 right.
 /// @param scale        scale from the source's to the robot's foot paths.
+/// @param ground       ground_under_feet(), or empty: the floor is the only known surface.
 /// @param plan         overwritten; its memory is reused.
 void plan_feet(const SourceFeet& source, const ContactPlan& contacts, const ContactOptions& options,
-               std::span<const int> source_feet, double scale, FootPlan& plan);
+               std::span<const int> source_feet, double scale, std::span<const double> ground,
+               FootPlan& plan);
 
 /// Adds the phases in which the source rests on the body parts of these support bodies. Call it
 /// after plan_feet().

@@ -31,13 +31,18 @@ ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitSha
   return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
 }
 
+// Whether an end of a foot is in contact.
+bool in_contact(const FrameGoals& goals, std::size_t foot) {
+  return std::ranges::any_of(goals.ends.subspan(2 * foot, 2),
+                             [](const FootEndGoal& end) { return end.phase >= 0; });
+}
+
 // Degree to which a foot lies on the floor, 0 to 1. It is non-zero only if the foot is in contact
 // and the contact prescribes the height of neither end.
 double lying_share(const FrameGoals& goals, std::size_t foot) {
   const auto ends = goals.ends.subspan(2 * foot, 2);
-  const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });
   const bool level = std::ranges::any_of(ends, [](const auto& end) { return end.level; });
-  return in_contact && !level ? 1.0 - goals.upright[foot] : 0.0;
+  return in_contact(goals, foot) && !level ? 1.0 - goals.upright[foot] : 0.0;
 }
 
 }  // namespace
@@ -85,6 +90,7 @@ FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
       composites_(model.tree.links().size()),
       tree_hessian_(at(model.tree.row_begin().back())),
       row_(at(model.dof_count()), 0.0),
+      planted_(model.feet.size()),
       near_pairs_(model) {
   row_dofs_.reserve(row_.size());
 }
@@ -182,7 +188,8 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   }
   if (down < 1.0 && has_clearance) {
     const double error = low.z() - goal.clearance;
-    const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
+    const double far =
+        std::clamp((goal.clearance - goal.support) / options_.foot_height_range, 0.0, 1.0);
     const double near = options_.foot_height_near;
     // A foot that is too low scrapes the floor.
     const double share = (1.0 - down) * (error < 0.0 ? options_.foot_height_below : 1.0);
@@ -203,8 +210,8 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   }
 }
 
-// Pulls the lowest point of a lying foot to the floor. It may be the instep or the toes, as in
-// kneeling.
+// Pulls the lowest point of a lying foot to the surface below it. It may be the instep or the toes,
+// as in kneeling.
 void FrameTerms::add_lying_foot(const TreeState& pose, std::size_t f, const FrameGoals& goals,
                                 TermCosts& costs) {
   const double lying = lying_share(goals, f);
@@ -213,15 +220,19 @@ void FrameTerms::add_lying_foot(const TreeState& pose, std::size_t f, const Fram
   const Pose& world = pose.world_from_link[at(foot.link)];
   Vector3d touching = world.translation;
   double height = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](const Vector3d& point, double radius) {
+  const auto look_at = [&](const Vector3d& point, double below) {
     const Vector3d place = world * point;
-    if (place.z() - radius >= height) return;
-    height = place.z() - radius;
+    if (place.z() - below >= height) return;
+    height = place.z() - below;
     touching = place;
   };
-  for (const FitFoot::End& end : foot.ends) {
-    for (const Vector3d& point : end.points) look_at(point, 0.0);
-    for (const FloorPoint& point : end.shape_points) look_at(point.position, point.radius);
+  for (const std::size_t e : {kHeelEnd, kToeEnd}) {
+    const FitFoot::End& end = foot.ends[e];
+    const double support = goals.ends[2 * f + e].support;
+    for (const Vector3d& point : end.points) look_at(point, support);
+    for (const FloorPoint& point : end.shape_points) {
+      look_at(point.position, point.radius + support);
+    }
   }
   const double weight = square(lying * options_.body_contact_height_weight);
   add_row(foot.link, 2, touching - pose.origin(), weight, height);
@@ -336,8 +347,9 @@ void FrameTerms::add_terms(const TreeState& pose, const FrameGoals& goals, TermC
   if (options_.contact) add_supports(pose, goals, costs);
   if (options_.floor) add_floor(pose, goals, costs);
   if (goals.scene != nullptr) {
+    for (std::size_t f = 0; f < planted_.size(); ++f) planted_[f] = in_contact(goals, f) ? 1 : 0;
     const SceneCosts added =
-        add_scene_terms(model_, options_, *goals.scene, goals.frame, pose, composites_);
+        add_scene_terms(model_, options_, *goals.scene, goals.frame, pose, planted_, composites_);
     costs[kTermSceneContact] += added.contact;
     costs[kTermScene] += added.penetration;
   }

@@ -45,10 +45,11 @@ struct FootEndGoal {
                             ///< foot.
   int phase = -1;           ///< Index of the contact phase; -1 if not in contact.
   bool level = false;       ///< Whether the contact also prescribes the height.
-  double support = 0.0;     ///< Height of the contact surface, metres; 0: the floor.
-  int near_phase = -1;      ///< Index of a contact phase that ends just before, or begins just
-                            ///< after, this frame; -1 in contact.
-  double hold = 1.0;        ///< Factor for the weight of the anchor of either phase.
+  double support = 0.0;  ///< Height of the contact surface, or of the surface of a scene below an
+                         ///< end that is not in contact, metres; 0: the floor.
+  int near_phase = -1;   ///< Index of a contact phase that ends just before, or begins just
+                         ///< after, this frame; -1 in contact.
+  double hold = 1.0;     ///< Factor for the weight of the anchor of either phase.
   /// Target position relative to the anchor of near_phase: the movement of the source. World x and
   /// y, metres.
   Eigen::Vector2d slide = Eigen::Vector2d::Zero();
@@ -166,6 +167,7 @@ class FrameTerms {
   std::vector<Composite> composites_;  // One per link.
   std::vector<double> tree_hessian_;   // Laid out as in assemble().
   std::vector<double> row_;
+  std::vector<char> planted_;  // One per foot: whether an end of it is in contact.
   std::vector<int> row_dofs_;
   NearPairs near_pairs_;
   FootOverlap foot_overlap_;

@@ -231,7 +231,7 @@ void LagFit::plan_contacts() {
   std::swap(old_phases_, clip_.feet.phases);
   std::swap(old_anchors_, clip_.anchors);
   std::swap(old_supports_, clip_.feet.supports);  // plan_feet clears them.
-  plan_feet(feet_, contacts, options, source_feet_, stage_.foot_scale(), clip_.feet);
+  plan_feet(feet_, contacts, options, source_feet_, stage_.foot_scale(), {}, clip_.feet);
   plan_supports(feet_, contacts, model_.supports, clip_.frame_count, stage_.foot_scale(),
                 clip_.feet);
   keep_anchors();
