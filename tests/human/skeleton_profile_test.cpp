@@ -62,6 +62,18 @@ TEST(SkeletonProfile, RejectsEmptyFolders) {
   EXPECT_EQ(profiles.at(0).name, "a");
 }
 
+TEST(SkeletonProfile, ReadsChangedFilesAgain) {
+  const TemporaryFolder folder;
+  for (const std::string joint : {"A", "B"}) {
+    std::ignore = folder.write("kind.json", R"({"joints": {"Hips": ")" + joint + R"("}})");
+    const auto profiles = load_skeleton_profiles(folder.path());
+    ASSERT_TRUE(profiles);
+    EXPECT_THAT(profiles->at(0).names[Bone::kHips], testing::ElementsAre(joint));
+  }
+  std::ignore = folder.write("kind.json", "");
+  EXPECT_FALSE(load_skeleton_profiles(folder.path()));
+}
+
 // A body with exactly the joint names of a profile; empty for kinds with other trees.
 Skeleton body_of_profile(const SkeletonProfile& profile) {
   const Skeleton body = tiny_skeleton(kBody);

@@ -77,17 +77,25 @@ RETARGET_INLINE Block<V> multiply(const Block<V>& inverse, const Block<V>& from,
   return after;
 }
 
-// Subtracts the product of pivot columns and pivot rows from the block at row i and column j.
+// Subtracts the product of pivot columns and pivot rows from kBlock rows, up to the diagonal. All
+// blocks of these rows share the factors.
+// @param k  the pivot; its columns stay.
+// @param a  row i.
 template <class V>
-RETARGET_INLINE void subtract_product(const PivotRows& rows, int i, int j, double* a) {
+RETARGET_INLINE void subtract_products(const PivotRows& rows, int k, int i, double* a) {
   const int size = rows.size;
-  const Block<V> row = load<V>(rows.after + j, size);
-  for (int p = i; p < i + kBlock; ++p) {
-    const double* const factors = rows.before + p;
-    double* const to = a + static_cast<std::ptrdiff_t>(p) * size + j;
-    V sum = V::load(to);
-    for (int q = 0; q < kBlock; ++q) sum = sum - V::all(factors[q * size]) * row[q];
-    sum.store(to);
+  std::array<Block<V>, kBlock> factors;
+  for (int p = 0; p < kBlock; ++p) {
+    for (int q = 0; q < kBlock; ++q) factors[p][q] = V::all(rows.before[i + p + q * size]);
+  }
+  for (int j = 0; j <= i; j += kBlock) {
+    if (j == k) continue;
+    const Block<V> row = load<V>(rows.after + j, size);
+    for (int p = 0; p < kBlock; ++p) {
+      V sum = V::load(a + p * size + j);
+      for (int q = 0; q < kBlock; ++q) sum = sum - factors[p][q] * row[q];
+      sum.store(a + p * size + j);
+    }
   }
 }
 
@@ -110,9 +118,7 @@ RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
       store(block, at(j, k), size);
     }
     for (int i = 0; i < size; i += kBlock) {
-      for (int j = 0; i != k && j <= i; j += kBlock) {
-        if (j != k) subtract_product<V>(rows, i, j, a);
-      }
+      if (i != k) subtract_products<V>(rows, k, i, at(i, 0));
     }
     for (V& row : inverse) row = -row;
     store(inverse, at(k, k), size);
