@@ -181,6 +181,20 @@ def test_hostile_arguments(walk: retarget.Clip, g1: retarget.Robot,
             call()
 
 
+def test_an_empty_clip_has_no_frames(walk: retarget.Clip) -> None:
+    empty = retarget.Clip.from_arrays(
+        names=walk.joint_names, parents=walk.parents, positions=walk.positions[:0],
+        rotations_wxyz=walk.rotations_wxyz[:0], fps=30, space="world")
+    for edit in (retarget.edit.mirror, retarget.edit.ground, retarget.edit.loop):
+        with pytest.raises(retarget.InputError, match="the clip has no frames"):
+            edit(empty)
+
+
+def test_rates_may_be_numbers_or_texts(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    with pytest.raises(TypeError, match="fps: expected a number or a string, found True"):
+        retarget.to_robot(walk, g1, fps=True)
+
+
 def test_hostile_edits(walk: retarget.Clip) -> None:
     edit = retarget.edit
     nan = float("nan")

@@ -167,7 +167,7 @@ std::string bash_script(const std::vector<Command>& commands) {
   return text + "  esac\n}\ncomplete -o filenames -o default -F _retarget retarget\n";
 }
 
-// What completes an argument: files, words and names of robots.
+// The action for an argument that takes files, words or robots.
 std::string zsh_action(bool files, const std::vector<std::string>& words, bool robots) {
   if (!files && !robots) return words.empty() ? "" : "(" + joined(words) + ")";
   std::vector<std::string> steps;
