@@ -61,7 +61,7 @@ def test_arguments_of_a_wrong_type_raise_type_errors(
             lambda: retarget.to_robot(0, g1), lambda: retarget.load_motion(None, g1)],
         "robot: expected a path, found": [lambda: retarget.Robot(0),
                                           lambda: retarget.to_robot(walk, [])],
-        "fps: expected a string, found": [lambda: retarget.to_robot(walk, g1, fps=[])],
+        "fps: expected a number or a string, found": [lambda: retarget.to_robot(walk, g1, fps=[])],
         "antialias: expected True or False, found 0": [
             lambda: retarget.edit.resample(walk, 30, antialias=0)],
     }
