@@ -139,7 +139,8 @@ struct ServeSummary {
 /// Runs until it is stopped, its duration is over or its input ends. Files are opened after
 /// everything else, because opening a file discards its content.
 ///
-/// Errors: those of check_serve; unavailable addresses; an unrecognised body. A failing output is
+/// Errors: those of check_serve; an output that is an input or another output (kUsage); unavailable
+/// addresses; an unrecognised body. A failing output is
 /// not an error of the run: the others continue. The run ends when no output accepts frames.
 [[nodiscard]] Result<ServeSummary> serve(const RobotSetup& robot, const ServeOptions& options,
                                          const ServeControl& control);

@@ -174,15 +174,15 @@ def inspect(clip: _retarget.Clip | StrPath, *, data_dir: StrPath | None = None,
 
 @with_options("BatchOptions")
 def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
-          robots: StrPath | Iterable[StrPath] | None = None, *, quality: bool = True,
-          sidecar: bool = False, data_dir: StrPath | None = None,
+          robots: _retarget.Robot | StrPath | Iterable[StrPath] | None = None, *,
+          quality: bool = True, sidecar: bool = False, data_dir: StrPath | None = None,
           **options: Unpack[_options.BatchOptions]) -> Batch:
     """Retargets folders of clips, each clip in its own process (docs/batch.md).
 
     Args:
         inputs: files, folders and patterns.
         output: folder; manifest.jsonl and summary.csv in it list the results of all clips.
-        robots: names or folders; with several robots, each has its own output folder.
+        robots: names or folders, or one Robot; with several, each has its own output folder.
         quality: measure the motions.
         sidecar: write FILE.json next to every output.
 
@@ -190,6 +190,7 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
         UsageError: a request that contradicts itself or would write a file twice. A failed
             clip is not an error: see Batch.failed.
     """
+    _check_loaded(robots, options)
     failed, notes = _retarget.batch(inputs, output, robots, dict(options), quality, sidecar,
                                     data_dir)
     folder = Path(os.fsdecode(output))
@@ -249,6 +250,13 @@ def _fit_options(fit: Mapping[str, Any] | None) -> dict[str, Any]:
     if not isinstance(fit, Mapping):
         raise ArgumentTypeError(f"fit: expected a mapping of options, found {type(fit).__name__}")
     return dict(fit)
+
+
+def _check_loaded(robot: object, options: Mapping[str, Any]) -> None:
+    """Rejects options of Robot() if the robot is already loaded."""
+    of_robot = names_of("RobotOptions") & {name for name in options if options[name] is not None}
+    if isinstance(robot, _retarget.Robot):
+        _robot(robot, None, dict.fromkeys(of_robot))
 
 
 def _robot(robot: _retarget.Robot | StrPath | None, data_dir: StrPath | None,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from retarget import _retarget
-from retarget._api import StrPath, load_motion
+from retarget._api import StrPath, _check_loaded, load_motion
 from retarget._errors import UsageError
 from retarget._signatures import names_of, with_options
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @with_options("ConvertOptions")
-def convert(input: StrPath, output: StrPath, robot: StrPath | None = None, *,
+def convert(input: StrPath, output: StrPath, robot: _retarget.Robot | StrPath | None = None, *,
             data_dir: StrPath | None = None,
             **options: Unpack[_options.ConvertOptions]) -> list[Path]:
     """Converts a robot motion to another format or rate, with the same bytes as `retarget convert`.
@@ -30,7 +30,7 @@ def convert(input: StrPath, output: StrPath, robot: StrPath | None = None, *,
     Args:
         input: a robot motion in any format of docs/formats.md; for GLB also a human motion.
         output: the ending or `format` determines the format.
-        robot: name or folder of the robot; None: `robot_xml`.
+        robot: a robot, or its name or folder; None: `robot_xml`.
         data_dir: folder with robots/ and configs/.
 
     Returns:
@@ -42,6 +42,7 @@ def convert(input: StrPath, output: StrPath, robot: StrPath | None = None, *,
         ConfigError: an unknown robot.
         RunError: the output cannot be written.
     """
+    _check_loaded(robot, options)
     written = _retarget.convert(input, output, robot, dict(options), data_dir)
     return [Path(path) for path in written]
 

@@ -77,10 +77,10 @@ class Server:
         return self._thread.is_alive()
 
     @property
-    def address(self) -> str | None:
-        """Listening address, for play(); None: not listening yet, or not on a network."""
+    def address(self) -> str:
+        """Listening address, for play(); empty: not listening yet, or not on a network."""
         return next((line.removeprefix(_LISTENING) + self._query for line in self.messages
-                     if line.startswith(_LISTENING)), None)
+                     if line.startswith(_LISTENING)), "")
 
     @property
     def messages(self) -> list[str]:
@@ -88,9 +88,9 @@ class Server:
         return self._engine.messages()
 
     @property
-    def summary(self) -> dict[str, Any] | None:
-        """Counters of frames and packets, latencies and outputs; None while it runs."""
-        return self._summary
+    def summary(self) -> dict[str, Any]:
+        """Counters of frames and packets, latencies and outputs; empty while it runs."""
+        return {} if self._summary is None else self._summary
 
     def __enter__(self) -> Server:
         return self
@@ -151,7 +151,7 @@ def serve(robot: StrPath | None = None, *, input: str | None = None,
                              **options}
     query = "".join((input or "").partition("?")[1:])
     server = Server(_retarget.Server(robot, fps, given, data_dir), query)
-    while server.running and server.address is None and input not in (None, "stdin"):
+    while server.running and not server.address and input not in (None, "stdin"):
         clock.sleep(0.002)
     if not server.running:
         server.wait()

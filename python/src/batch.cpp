@@ -40,6 +40,10 @@ std::vector<std::string> paths_of(const nb::object& given, const char* what) {
   const bool is_one = nb::isinstance<nb::str>(given) || nb::isinstance<nb::bytes>(given) ||
                       nb::hasattr(given, "__fspath__");
   if (is_one) return {bytes_of_path(given, what)};
+  if (!nb::hasattr(given, "__iter__")) {
+    raise_type_error(std::string(what) + ": expected a path or several, found " +
+                     shown_text(given.type().attr("__name__")));
+  }
   std::vector<std::string> paths;
   for (nb::handle each : given) paths.push_back(bytes_of_path(each, what));
   return paths;
@@ -52,7 +56,13 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   apply_keywords(batch_keywords(request), keywords);
   request.inputs = paths_of(inputs, "inputs");
   request.output = bytes_of_path(output, "output");
-  if (!robots.is_none()) request.robots = paths_of(robots, "robots");
+  if (nb::isinstance<RobotHandle>(robots)) {
+    const LoadedRobot& loaded = nb::cast<const RobotHandle&>(robots).loaded;
+    request.run.robot = loaded.choice;
+    if (!loaded.choice.name.empty()) request.robots = {loaded.choice.name};
+  } else if (!robots.is_none()) {
+    request.robots = paths_of(robots, "robots");
+  }
   request.quality = quality;
   request.of_clip.sidecar = sidecar;
   request.begin_worker = begin_worker;
@@ -61,7 +71,7 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   Watcher watcher(nb::none());
   NotesObserver observer(watcher, notes);
   auto failed = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return run_batch(request, observer);
   }();
   watcher.rethrow();
@@ -80,7 +90,7 @@ nb::list repeated(const nb::list& names, const nb::list& signatures) {
   }
   Watcher watcher(nb::none());
   const auto found = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return repeated_clips(clips, [&] { return watcher.keep_going({}); });
   }();
   watcher.rethrow();

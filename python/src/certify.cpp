@@ -56,7 +56,7 @@ nb::str certify(const nb::object& motion, const nb::object& robot, const nb::obj
   Watcher watcher(nb::none());
   NotesObserver observer(watcher, notes);
   Result<Certificate> done = [&]() -> Result<Certificate> {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     RETARGET_TRY(check_robot_choice(request.run.robot));
     return retarget::certify(request, observer);
   }();

@@ -50,7 +50,7 @@ std::vector<std::size_t> shape_of(const Clip& clip, std::size_t last) {
 }
 
 std::shared_ptr<const WorldPoses> world_of(const ClipHandle& clip) {
-  const nb::gil_scoped_release released;
+  const ReleasedGil released;
   return clip.world();
 }
 
@@ -190,7 +190,7 @@ nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::o
   const std::string chosen = bytes_of_folder(data_dir);
   apply_keywords(rows_for(OptionUse::kInspect, human_table(how.human)), options);
   const auto human = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     const auto folder = data_folder_of(chosen);
     Clip copy = *handle;
     return folder ? find_human_as_run(copy, how, *folder) : failure(folder.error());

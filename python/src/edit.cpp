@@ -34,8 +34,11 @@ Result<EditSource> edit_source(const Clip& clip, const EditOptions& options,
   how.unit_optional = !needs.unit;
   RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(data_dir));
   Clip copy = clip;
-  RETARGET_TRY_ASSIGN(HumanInClip human, find_human(copy, how, data_folder));
-  EditSource source{std::move(copy), std::move(human)};
+  auto human = find_human(copy, how, data_folder);
+  // Without offsets, the rest pose of a clip without frames is unknown.
+  if (!human && clip.frame_count() == 0) return input_failure({}, "the clip has no frames");
+  if (!human) return failure(human.error());
+  EditSource source{std::move(copy), *std::move(human)};
   const PartOptions& part = options.part;
   for (Warning& doubt : range_doubts(part, clip.rate(), clip.frame_count())) {
     source.human.calibration.doubts.push_back(std::move(doubt));
@@ -99,7 +102,7 @@ template <typename Function>
 ClipHandle edited(const ClipHandle& clip, const Call& call, const Function& function) {
   std::vector<Warning> doubts;
   auto result = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     using Made = decltype(plain(function(std::declval<EditSource&>())));
     auto source = edit_source(*clip, call.options, call.data_dir, call.needs);
     if (!source) return Made(failure(source.error()));

@@ -43,7 +43,11 @@ nb::list convert(const nb::object& input, const nb::object& output, const nb::ob
   if (request.output == "-") {
     raise(usage_failure("output: expected a file, found standard output").value());
   }
-  if (!robot.is_none()) request.robot.name = bytes_of_path(robot, "robot");
+  if (nb::isinstance<RobotHandle>(robot)) {
+    request.robot = nb::cast<const RobotHandle&>(robot).loaded.choice;
+  } else if (!robot.is_none()) {
+    request.robot.name = bytes_of_path(robot, "robot");
+  }
   const std::string chosen = bytes_of_folder(data_dir);
   WarningsObserver observer;
   const auto written = without_gil([&]() -> Result<std::vector<WrittenFile>> {

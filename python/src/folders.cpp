@@ -44,7 +44,7 @@ nb::list notes_of(const Function& function) {
   Watcher watcher(nb::none());
   NotesObserver observer(watcher, notes);
   Result<void> done = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return function(observer);
   }();
   watcher.rethrow();

@@ -125,12 +125,20 @@ bool has_empty_text(const OptionValue& value) {
   raise(error);
 }
 
+// Whether a text option also accepts numbers: a rate, a factor, a unit.
+bool takes_numbers(const Option& row) {
+  const std::string& type = row.info.type;
+  return std::holds_alternative<std::string>(row.get()) &&
+         (type == "N|source" || type == "N" || type == "S|auto" || type == "UNIT");
+}
+
 void apply(const Option& row, nb::handle object) {
   const OptionValue kind = row.get();
   const auto value = value_of_kind(kind, object);
   if (!value) {
-    raise_type_error(fmt::format("{}: expected {}, found {}", keyword_of(row), expectation(row),
-                                 found_text(object)));
+    const std::string wanted = takes_numbers(row) ? "a number or a string" : expectation(row);
+    raise_type_error(
+        fmt::format("{}: expected {}, found {}", keyword_of(row), wanted, found_text(object)));
   }
   // As on the command line: an unset variable must not look like an omitted option.
   if (has_empty_text(*value)) {
@@ -156,10 +164,7 @@ std::string annotation(const Option& row) {
   if (!choices.empty()) return choices;
   const std::string& type = row.info.type;
   if (type.find("FILE") != std::string::npos || type == "DIR") return "StrPath";
-  // Text options that also accept numbers: a rate, a factor, a unit.
-  const bool takes_numbers =
-      type == "N|source" || type == "N" || type == "S|auto" || type == "UNIT";
-  return takes_numbers ? "str | float" : "str";
+  return takes_numbers(row) ? "str | float" : "str";
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ class PythonLive {
       moved.emplace_back(Eigen::Map<const Eigen::Vector3d>(
           &places.numbers()[3 * static_cast<std::size_t>(joint)]));
     }
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     const std::lock_guard lock(mutex_);
     HumanFrame frame;
     frame.time = time;
@@ -118,7 +118,7 @@ class PythonLive {
     };
     std::vector<Due> all;
     {
-      const nb::gil_scoped_release released;
+      const ReleasedGil released;
       const std::lock_guard lock(mutex_);
       const auto due = session_.due();
       if (due && now - *due > longest) session_.skip_to(now);

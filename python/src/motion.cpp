@@ -201,7 +201,7 @@ nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
 }
 
 std::shared_ptr<const RecordedRun> recorded_run_of(const std::string& path) {
-  const nb::gil_scoped_release released;
+  const ReleasedGil released;
   auto recorded = recorded_run(path);
   return recorded ? std::make_shared<const RecordedRun>(*std::move(recorded)) : nullptr;
 }

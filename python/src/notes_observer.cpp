@@ -36,7 +36,7 @@ bool NotesObserver::is_stopped() const {
 
 void NotesObserver::tell(const std::string& text) const {
   if (getpid() != process_) return;
-  const nb::gil_scoped_acquire acquired;
+  const HeldGil held;
   notes_.attr("append")(text_of(text));
 }
 

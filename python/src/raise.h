@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "gil.h"
 #include "retarget/error.h"
 
 // Conversion of the library's values and errors to Python.
@@ -61,7 +62,7 @@ inline void value_of(Result<void>&& result) {
 template <typename Function>
 auto without_gil(const Function& function) {
   auto result = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return function();
   }();
   return value_of(std::move(result));

@@ -44,7 +44,7 @@ nb::dict reference_arrays(const MotionHandle& motion, double rate) {
   Watcher watcher(nb::none());
   options.keep_going = [&] { return watcher.keep_going({}); };
   auto done = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return make_reference(*motion.clip, options);
   }();
   watcher.rethrow();

@@ -113,7 +113,7 @@ nb::tuple forward(const RobotHandle& robot, const nb::object& qpos) {
   const std::size_t bodies = robot->bodies().size();
   std::vector<double> positions, rotations;
   {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     positions.reserve(3 * bodies * frames);
     rotations.reserve(4 * bodies * frames);
     std::vector<Pose> world_from_body(bodies);

@@ -144,7 +144,7 @@ int play_clip(const ClipHandle& clip, const nb::object& to, double speed, bool h
   options.data_folder = value_of(data_folder_of(bytes_of_folder(data_dir)));
   Watcher watcher(nb::none());
   Result<int> sent = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return play(*clip, options, [&] { return !watcher.keep_going({}) || watcher.is_stopped(); });
   }();
   watcher.rethrow();

@@ -26,7 +26,7 @@ nb::tuple simulate(const MotionHandle& motion) {
   Watcher watcher(nb::none());
   const NotesObserver observer(watcher, notes);
   Result<Simulation> done = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     SimulateOptions options;
     options.is_stopped = [&observer] { return observer.is_stopped(); };
     return retarget::simulate(*motion.clip, options);

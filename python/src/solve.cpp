@@ -59,7 +59,7 @@ MotionHandle solve_watched(Plan plan, const RobotHandle& robot, std::shared_ptr<
   const std::vector<Warning> doubts = plan.doubts();
   const std::size_t notes = plan.clip_notes.size();
   auto solved = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return solve(std::move(plan), control);
   }();
   watcher.rethrow();
@@ -127,7 +127,7 @@ bool Watcher::keep_going(const Progress& now) {
     if (time < next_) return true;
     next_ = time + kInterval;
   }
-  const nb::gil_scoped_acquire acquired;
+  const HeldGil held;
   if (error_) return false;
   try {
     if (PyErr_CheckSignals() != 0) throw nb::python_error();

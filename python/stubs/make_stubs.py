@@ -6,6 +6,7 @@ so that editors and type checkers know every keyword.
 
 from __future__ import annotations
 
+import re
 import sys
 import textwrap
 from pathlib import Path
@@ -18,8 +19,11 @@ HEAD = '''"""Options of functions, from the engine's tables. Each may be left ou
 
 import os
 from collections.abc import Sequence
-from typing import Literal, TypedDict
+from typing import Any, Literal, TypedDict
 
+from numpy import floating
+
+Number = float | floating[Any]
 StrPath = str | os.PathLike[str]
 '''
 
@@ -38,7 +42,8 @@ def typed_dict(name: str, rows: list[dict]) -> str:
     """A class with one annotated member for each row."""
     lines = ["", "", f"class {name}(TypedDict, total=False):"]
     for row in rows:
-        lines.append(f"    {row['name']}: {row['type']} | None")
+        kind = re.sub(r"\bfloat\b", "Number", row["type"])
+        lines.append(f"    {row['name']}: {kind} | None")
         text = textwrap.fill(row["help"].replace("\\", "\\\\").replace('"', "'"), 92,
                              break_on_hyphens=False)
         lines.append(textwrap.indent(f'"""{text}"""', "    "))

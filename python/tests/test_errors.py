@@ -61,7 +61,7 @@ def test_arguments_of_a_wrong_type_raise_type_errors(
             lambda: retarget.to_robot(0, g1), lambda: retarget.load_motion(None, g1)],
         "robot: expected a path, found": [lambda: retarget.Robot(0),
                                           lambda: retarget.to_robot(walk, [])],
-        "fps: expected a string, found": [lambda: retarget.to_robot(walk, g1, fps=[])],
+        "fps: expected a number or a string, found": [lambda: retarget.to_robot(walk, g1, fps=[])],
         "antialias: expected True or False, found 0": [
             lambda: retarget.edit.resample(walk, 30, antialias=0)],
     }
@@ -179,6 +179,20 @@ def test_hostile_arguments(walk: retarget.Clip, g1: retarget.Robot,
                  lambda: retarget.Motion()):
         with pytest.raises(TypeError):
             call()
+
+
+def test_an_empty_clip_has_no_frames(walk: retarget.Clip) -> None:
+    empty = retarget.Clip.from_arrays(
+        names=walk.joint_names, parents=walk.parents, positions=walk.positions[:0],
+        rotations_wxyz=walk.rotations_wxyz[:0], fps=30, space="world")
+    for edit in (retarget.edit.mirror, retarget.edit.ground, retarget.edit.loop):
+        with pytest.raises(retarget.InputError, match="the clip has no frames"):
+            edit(empty)
+
+
+def test_rates_may_be_numbers_or_texts(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    with pytest.raises(TypeError, match="fps: expected a number or a string, found True"):
+        retarget.to_robot(walk, g1, fps=True)
 
 
 def test_hostile_edits(walk: retarget.Clip) -> None:

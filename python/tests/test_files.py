@@ -109,6 +109,12 @@ def test_compare_different_motions(walked: retarget.Motion, tmp_path: Path) -> N
         retarget.compare(walked, walked, tolerance=float("nan"))
 
 
+def test_convert_takes_a_loaded_robot(walk_npz: Path, tmp_path: Path, g1: retarget.Robot) -> None:
+    for name, robot in (("a.csv", g1), ("b.csv", "g1")):
+        retarget.convert(walk_npz, tmp_path / name, robot)
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
 def test_robots(command, g1: retarget.Robot) -> None:
     listed = retarget.robots()
     assert [robot.name for robot in listed] == sorted(robot.name for robot in listed)

@@ -183,6 +183,15 @@ def test_positions_too_large_to_compute_with() -> None:
     np.testing.assert_array_equal(retargeter.qpos, before)
 
 
+@pytest.mark.parametrize("offset", ["x", None, NAN, float("inf"), [0.1]])
+def test_the_ground_offset_is_a_finite_number(offset) -> None:
+    retargeter = make_retargeter()
+    with pytest.raises(ValueError, match="ground_offset: expected a finite number"):
+        retargeter.set_ground_offset(offset)
+    assert retargeter.ground_offset == 0.0
+    retargeter.set_ground_offset(np.float32(0.25))
+
+
 @pytest.mark.parametrize("qpos", [None, "x", [], np.zeros(36), np.zeros(35), np.full(36, NAN),
                                   np.zeros((36, 1)), ["1"] * 36])
 def test_bad_configurations(qpos) -> None:

@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tarfile
 import time
 from pathlib import Path
 
@@ -168,8 +169,9 @@ def test_passed_motions_of_a_batch(data: Path, tmp_path: Path) -> None:
     assert main(words) == 0
     assert hashes(tmp_path / "again") == hashes(tmp_path / "set")
     assert main(words) == 1 and main([*words, "--replace"]) == 0
+    assert main([*words, "--replace", "--robot", "g1"]) == 0
     with pytest.raises(SystemExit):
-        main([*words, "--robot", "g1"])
+        main([*words, "--fps", "30"])
 
 
 def batch_of_wave(data: Path, tmp_path: Path, robots="g1", **options) -> Path:
@@ -203,6 +205,11 @@ def test_a_batch_of_several_robots_is_packed_by_robot(data: Path, tmp_path: Path
 
     assert main(["lerobot", str(out), str(tmp_path / "set"), "--robot", "g1"]) == 0
     assert "left out 1 motion of other robots: unitree_h1" in capsys.readouterr().err
+    assert main(["webdataset", str(out), str(tmp_path / "tars")]) == 1
+    assert "motions of unitree_g1, unitree_h1; --robot takes" in capsys.readouterr().err
+    assert main(["webdataset", str(out), str(tmp_path / "tars"), "--robot", "g1"]) == 0
+    with tarfile.open(tmp_path / "tars/shard-000000.tar") as tar:
+        assert {name.partition("/")[0] for name in tar.getnames()} == {"unitree_g1"}
     found = packs.clips_of(out, robot="unitree_h1")
     assert list(found) == ["unitree_h1/wave"] and list(found.left_out) == ["unitree_g1/wave"]
     with pytest.raises(retarget.UsageError, match="no motion of agibot_x2; its robots are unitree_"):

@@ -283,3 +283,48 @@ def test_the_manifest_of_this_run_alone(data: Path, tmp_path: Path) -> None:
     shard = retarget.batch([data / "walk.bvh", data / "squat.bvh"], tmp_path / "parts",
                            "unitree_g1", method="gmr", end=0.2, shard="1/2")
     assert len(shard.clips) == 1
+
+
+@pytest.mark.parametrize("call", [
+    "retarget.to_robot(clip, robot)", "retarget.to_robot(clip, robot, method='gmr', fps=500)",
+    "retarget.load(file)", "push(clip, robot)"])
+def test_a_daemon_thread_does_not_abort_the_exit(call: str, data: Path) -> None:
+    program = f"""
+        import sys, threading, time
+        import retarget
+
+        def push(clip, robot):
+            with retarget.live(clip, robot, fps=50, mode="lag") as session:
+                for i in range(clip.frame_count):
+                    session.push(clip.local_rotations_wxyz[i], clip.local_positions[i])
+
+        def work():
+            while True:
+                {call}
+                started.set()
+
+        file = sys.argv[1]
+        clip, robot = retarget.load(file), retarget.Robot("unitree_g1")
+        started = threading.Event()
+        threading.Thread(target=work, daemon=True).start()
+        started.wait()
+        time.sleep(0.02)
+    """
+    for _ in range(3):
+        done = subprocess.run([sys.executable, "-c", textwrap.dedent(program),
+                               str(data / "wave.bvh")], capture_output=True, text=True,
+                              check=False, timeout=120)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_loaded_robot_in_a_batch(data: Path, tmp_path: Path) -> None:
+    robot = retarget.Robot("g1", dof="23")
+    options = {"method": "gmr", "end": 0.2, "quality": False}
+    made = retarget.batch(data / "wave.bvh", tmp_path / "a", robot, **options)
+    same = retarget.batch(data / "wave.bvh", tmp_path / "b", "g1", dof="23", **options)
+    assert made.failed == same.failed == 0
+    assert (tmp_path / "a/wave.csv").read_bytes() == (tmp_path / "b/wave.csv").read_bytes()
+    with pytest.raises(retarget.UsageError, match="dof is an option of Robot"):
+        retarget.batch(data / "wave.bvh", tmp_path / "c", robot, dof="23", **options)
+    with pytest.raises(TypeError, match="robots: expected a path or several, found int"):
+        retarget.batch(data / "wave.bvh", tmp_path / "c", 5)

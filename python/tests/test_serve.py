@@ -29,7 +29,7 @@ def take(data: Path, tmp_path: Path) -> tuple[Path, retarget.Server]:
     with retarget.serve("unitree_g1", input="udp:0?format=bvh", output=tmp_path / "frames.csv",
                         record=tmp_path / "take", skeleton=data / "walk.bvh", fps=50) as server:
         server.file = tmp_path / "frames.csv"
-        assert server.running and server.summary is None and server.wait(0.01) is None
+        assert server.running and not server.summary and server.wait(0.01) is None
         assert server.address.startswith("udp:127.0.0.1:") and server.address.endswith("?format=bvh")
         assert retarget.play(data / "walk.bvh", server.address, speed=10) == 301
         received(server, 40)

@@ -11,6 +11,7 @@
 
 #include "batch/batch_report.h"
 #include "batch/merge_checks.h"
+#include "batch/output_owners.h"
 #include "batch/output_tree.h"
 #include "retarget/file.h"
 #include "retarget/option_name.h"
@@ -204,10 +205,14 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
   return manifests;
 }
 
-bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
-  if (entry.done || known.contains(entry.relative)) return false;
+bool clip_is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
+  if (known.contains(entry.relative)) return false;
   std::error_code ignored;
   return !fs::exists(fs::symlink_status(entry.input.file, ignored));
+}
+
+bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
+  return !entry.done && clip_is_gone(entry, known);
 }
 
 Result<void> finish_manifests(const std::string& folder, const Shard& shard,
@@ -222,6 +227,7 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
   entries = latest_entries(std::move(entries));
   std::erase_if(entries,
                 [&](const ManifestEntry& entry) { return is_gone(entry, selection.clips); });
+  remove_replaced_entries(entries, path, observer);
   judge_entries(entries, rules, &selection.clips);
   RETARGET_TRY(write_file(path, lines_of(entries)));
   // The merged manifest is on disk, so the parts are no longer needed.
@@ -265,6 +271,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   append_to(entries, std::move(of_others));
   if (entries.empty()) return input_failure(folder, "no batch manifest to merge");
   entries = latest_entries(std::move(entries));
+  remove_replaced_entries(entries, path, observer);
   judge_entries(entries, rules);
   if (rules.dedupe == true) warn_of_unsigned(entries, path, observer);
   warn_of_mixed_options(entries, path, observer);

@@ -62,14 +62,18 @@ struct BatchSelection {
 /// Whether a folder has a manifest of a batch or of a part.
 [[nodiscard]] bool has_manifest(const std::string& folder);
 
+/// Whether the clip of an entry is not among those of a batch, and its file no longer exists.
+/// @param known  relative names of the clips that a batch found.
+[[nodiscard]] bool clip_is_gone(const ManifestEntry& entry, const std::set<std::string>& known);
+
 /// Whether an entry is a failed clip whose file no longer exists, so that nothing remains to be
 /// done.
 /// @param known  relative names of the clips that a batch found.
 [[nodiscard]] bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known);
 
 /// Compacts the manifest of a finished batch to one line per clip and robot. If the batch is not a
-/// shard, also merges the manifests of shards like merge_manifests, drops clips that are gone,
-/// applies the rules to all entries, and writes summary.csv and, for the selected motions, the
+/// shard, also merges the manifests of shards like merge_manifests, drops clips that are gone or
+/// whose outputs another clip has replaced, applies the rules to all entries, and writes summary.csv and, for the selected motions, the
 /// lists of passed ones.
 [[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                                             const BatchSelection& selection,

@@ -30,7 +30,8 @@ constexpr std::array kOwnFiles = {"manifest.jsonl", "summary.csv", "options.json
                                   "failed.tsv",     "train.txt",   "validation.txt", "test.txt",
                                   "duplicates.tsv", "motions.yaml"};
 
-// The files of a clip below a folder, including sidecars.
+}  // namespace
+
 Result<std::vector<std::string>> outputs_of(const BatchInput& input, const BatchRequest& request,
                                             const std::string& folder) {
   const SaveOptions& save = request.run.options.save;
@@ -46,6 +47,8 @@ Result<std::vector<std::string>> outputs_of(const BatchInput& input, const Batch
   if (request.contacts) files.push_back(folder + contacts_output(input.relative));
   return files;
 }
+
+namespace {
 
 // All files that a batch would write, to detect duplicates and conflicts of files with folders.
 class OutputTree {

@@ -15,6 +15,12 @@
 
 namespace retarget {
 
+/// The files of a clip, including sidecars, certificate and contacts.
+/// @param folder  prefix of the names: empty, or a folder with a final slash.
+[[nodiscard]] Result<std::vector<std::string>> outputs_of(const BatchInput& input,
+                                                          const BatchRequest& request,
+                                                          const std::string& folder);
+
 /// Checks that all output files are distinct, that none has the path of an output folder, and that
 /// none has the name of a file of the batch itself. Errors: kUsage.
 [[nodiscard]] Result<void> check_outputs_of(const std::vector<BatchInput>& inputs,

@@ -22,6 +22,7 @@
 #include "batch/manifest.h"
 #include "batch/manifests.h"
 #include "batch/merge_checks.h"
+#include "batch/output_owners.h"
 #include "batch/output_tree.h"
 #include "batch/pack_motions.h"
 #include "batch/resume.h"
@@ -164,6 +165,7 @@ struct BatchPlan {
   std::list<BatchRobot> robots;
   std::vector<BatchTask> tasks;         // Tasks that remain.
   std::vector<ManifestEntry> left_out;  // Skipped duplicates.
+  std::vector<ManifestEntry> replaced;  // Clips that are gone, whose outputs others replace.
   std::size_t unchanged = 0;
   std::uint64_t bytes = 0;
 };
@@ -274,6 +276,7 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   for (const BatchTask& task : plan.tasks) {
     if (task.candidate == nullptr) redone.emplace(task.input->relative, task.robot->name);
   }
+  for (const ManifestEntry& entry : plan.replaced) redone.emplace(entry.relative, entry.robot);
   std::vector<ManifestEntry> kept = latest_entries(manifests.own);
   std::erase_if(kept, [&](const ManifestEntry& entry) {
     return redone.contains({entry.relative, entry.robot}) || is_gone(entry, plan.selection.clips);
@@ -290,19 +293,20 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   return kept;
 }
 
-// Warns of motions of a discarded batch that this one does not replace.
+// Warns of files of discarded entries that this batch does not replace.
+// @param owner  what was discarded
 void warn_of_discarded_files(const std::string& folder, const BatchPlan& plan,
-                             const std::vector<ManifestEntry>& discarded,
+                             const std::vector<ManifestEntry>& discarded, const std::string& owner,
                              const BatchRequest& request, Observer& observer) {
   const auto files = files_of_discarded(folder, discarded, plan.tasks, request);
   if (files.empty()) return;
   constexpr std::size_t kShown = 3;
-  observer.warn({{0, 0,
-                  count_text(files.size(), "file") +
-                      (files.size() == 1 ? " of the discarded batch remains in place and is"
-                                         : " of the discarded batch remain in place and are") +
-                      " not in the new manifest: " + list_names(files, kShown)}},
-                folder);
+  observer.warn(
+      {{0, 0,
+        count_text(files.size(), "file") + " of " + owner +
+            (files.size() == 1 ? " remains in place and is" : " remain in place and are") +
+            " not in the new manifest: " + list_names(files, kShown)}},
+      folder);
 }
 
 // Warns of output files that the current options no longer create.
@@ -442,13 +446,17 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   if (!request.redo && (!request.resume || manifests.is_new)) RETARGET_TRY(check_new());
   std::vector<ManifestEntry> known = manifests.own;
   known.insert(known.end(), manifests.others.begin(), manifests.others.end());
+  RETARGET_TRY_ASSIGN(plan.replaced, entries_that_give_way(plan.inputs, request, plan.robots, known,
+                                                           plan.selection.clips));
   const FinishedClips finished(std::move(known), folder);
   RETARGET_TRY_ASSIGN(auto manifest, begin_manifest(manifests, finished, request, plan, observer));
   const bool alone = shard.count == 1 && locks.folder.is_held();
   const std::set<fs::path> folders = output_folders(folder, plan.tasks);
   if (alone) remove_unfinished(folder, folders);
   warn_of_earlier_files(folder, plan, finished, request.certify, observer);
-  warn_of_discarded_files(folder, plan, manifests.discarded, request, observer);
+  warn_of_discarded_files(folder, plan, manifests.discarded, "the discarded batch", request,
+                          observer);
+  warn_of_discarded_files(folder, plan, plan.replaced, "deleted clips", request, observer);
   RETARGET_TRY(write_options_file(folder, plan.robots));
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
   manifest.reset();  // Windows does not replace open files.

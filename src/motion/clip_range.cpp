@@ -11,6 +11,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "motion/lost_end.h"
 #include "retarget/pose.h"
 
 namespace retarget {
@@ -249,17 +250,17 @@ bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   return jump > kBeyondMotion * after[(95 * (after.size() - 1)) / 100];
 }
 
+bool has_no_rotation(const Clip& clip, int frame) {
+  constexpr double kNoTurn = 1e-9;
+  return std::ranges::all_of(clip.rotations(frame), [](const Eigen::Quaterniond& rotation) {
+    return rotation.vec().norm() < kNoTurn;
+  });
+}
+
 // Whether all rotations of a frame are zero and the next frame leaves it by a jump, which real
 // recordings do not do.
 bool is_frame_of_zeros(const Clip& clip, Positions& positions, int frame) {
-  constexpr double kNoTurn = 1e-9;
-  const auto none = [](const Eigen::Quaterniond& rotation) {
-    return rotation.vec().norm() < kNoTurn;
-  };
-  if (!std::ranges::all_of(clip.rotations(frame), none) ||
-      std::ranges::all_of(clip.rotations(frame + 1), none)) {
-    return false;
-  }
+  if (!has_no_rotation(clip, frame) || has_no_rotation(clip, frame + 1)) return false;
   const double step = positions.step(frame);
   const double next = frame + 2 < clip.frame_count() ? positions.step(frame + 1) : 0.0;
   return step > kJump * positions.spread(frame + 1) && step > kBeyondMotion * next;
@@ -305,6 +306,17 @@ int count_lead_in_frames(const Clip& clip) {
     count += held;
   }
   return count;
+}
+
+int count_lost_end_frames(const Clip& clip) {
+  int begin = clip.frame_count();
+  while (begin > 0 && has_no_rotation(clip, begin - 1)) --begin;
+  if (begin == clip.frame_count() || begin < kMinAfter) return 0;
+  Positions positions(clip);
+  const double jump = positions.step(begin - 1);
+  const bool is_lost = jump > kJump * positions.spread(begin - 1) &&
+                       jump > kBeyondMotion * positions.step(begin - 2);
+  return is_lost ? clip.frame_count() - begin : 0;
 }
 
 }  // namespace retarget

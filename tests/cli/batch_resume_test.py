@@ -260,6 +260,51 @@ class NothingIsLost(BatchTest):
             self.assert_done(done)
             self.assertEqual(done.stderr.count("4 files of the discarded batch remain"), times)
 
+    def test_another_robot_replaces_no_motion(self):
+        self.clips("a.bvh", "sub/b.bvh")
+        self.assert_done(self.batch("--sidecar"))
+        before = {name: (self.folder / "out" / name).read_bytes()
+                  for name in ("a.csv", "a.csv.json", "sub/b.csv", "manifest.jsonl")}
+        for how in ([], ["--shard", "1/2"], ["--sidecar"]):
+            self.assert_fails(self.batch("--resume", *how, robot="booster_t1"), 2, "booster_t1",
+                              "unitree_g1", "another folder")
+        self.assertEqual({name: (self.folder / "out" / name).read_bytes() for name in before},
+                         before)
+        # Several robots have folders of their own, also if the first one is done.
+        self.assert_done(self.batch("--resume", "--sidecar", robot="unitree_g1,booster_t1"))
+        self.assertEqual((self.folder / "out/a.csv").read_bytes(), before["a.csv"])
+        self.assertEqual(len(self.manifest()), 4)
+        self.assert_done(self.batch("--redo", robot="booster_t1"))
+
+    def test_a_file_with_the_same_stem_replaces_no_motion_of_another(self):
+        self.clips("m.bvh")
+        self.assert_done(self.batch("--sidecar"))
+        before = (self.folder / "out/m.csv").read_bytes()
+        self.clips("m.BVH", frames=3)
+        self.assert_fails(self.batch("--resume", "--exclude", "m.bvh"), 2, '"m.BVH"', '"m.bvh"')
+        self.assertEqual((self.folder / "out/m.csv").read_bytes(), before)
+        # The clip of a deleted file gives way.
+        (self.folder / "in/m.bvh").unlink()
+        done = self.batch("--resume")
+        self.assert_done(done)
+        self.assertIn("1 file of deleted clips remains in place", done.stderr)
+        self.assertIn("m.csv.json", done.stderr)
+        self.assertEqual([entry["relative"] for entry in self.manifest()], ["m.BVH"])
+
+    def test_merging_lists_an_output_once(self):
+        self.clips("m.bvh")
+        self.assert_done(self.batch())
+        older = (self.folder / "out/manifest.jsonl").read_text()
+        (self.folder / "in/m.bvh").rename(self.folder / "in/m.BVH")
+        self.assert_done(self.batch("--resume"))
+        self.write("older.jsonl", older)
+        merged = self.run_tool("batch", "--merge", "-o", "out", "older.jsonl")
+        self.assert_done(merged)
+        self.assertIn('1 clip dropped, because another clip has replaced the output: "m.csv"',
+                      merged.stderr)
+        self.assertEqual([entry["relative"] for entry in self.manifest()], ["m.BVH"])
+        self.assertEqual(self.lines("passed.txt"), ["m.csv"])
+
     def test_wrong_options_touch_no_motion(self):
         self.clips("a.bvh", "b.bvh")
         self.assert_done(self.batch())

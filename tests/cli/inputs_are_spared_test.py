@@ -78,6 +78,47 @@ class Spared(ToolTest):
         self.assert_spared("evaluate", "x.csv", "--robot", "g1", "--bvh", "a.bvh", "--write-map",
                            "x.csv")
 
+    def test_live(self):
+        self.assert_done(self.run_tool("inspect", "a.bvh", "--write-map", "map.json"))
+        self.write("fit.json", '{"max_joint_speed": 5}')
+        source = ("live", "--robot", "g1", "--input", "udp:0?format=bvh", "--seconds", "0.1")
+        from_a = (*source, "--skeleton", "a.bvh")
+        for arguments in ((*from_a, "-o", "a.bvh"), (*from_a, "-o", "soft.bvh"),
+                          (*from_a, "-o", "sub/../a.bvh?format=jsonl"),
+                          (*from_a, "-o", "x.csv", "--stats", "hard.bvh"),
+                          (*source, "--fit-config", "fit.json", "-o", "fit.json"),
+                          (*source, "--map", "map.json", "-o", "x.csv,map.json")):
+            self.assert_spared(*arguments)
+        for file in G1.iterdir():
+            if file.is_file():
+                self.write(f"mine/{file.name}", file.read_bytes())
+        self.assert_spared("live", "--robot", "mine", "--input", "udp:0?format=bvh", "-o",
+                           "mine/model.xml")
+        with open(self.folder / "a.bvh", "rb") as stream:
+            self.assert_spared("live", "--robot", "g1", "--input", "stdin?format=bvh", "-o",
+                               "a.bvh", stdin=stream)
+
+    def test_recordings(self):
+        live = ("live", "--robot", "g1", "--input", "stdin?format=bvh")
+        with open(self.folder / "a.bvh", "rb") as stream:
+            self.assert_done(self.run_tool(*live, "--record", "take", "-o", "x.csv", stdin=stream))
+        for name in ("input.stream", "live.json"):
+            self.assert_spared("live", "--replay", "take", "-o", f"take/{name}")
+        self.assert_done(self.run_tool("live", "--replay", "take", "-o", "again.csv"))
+        self.assertEqual((self.folder / "again.csv").read_bytes(),
+                         (self.folder / "x.csv").read_bytes())
+
+    def test_outputs_of_live_runs_are_distinct(self):
+        (self.folder / "take").mkdir()
+        source = ("live", "--robot", "g1", "--input", "udp:0?format=bvh", "--seconds", "0.1")
+        before = self.files()
+        for outputs in (("-o", "x.csv", "-o", "./x.csv"), ("-o", "x.csv,x.csv?format=jsonl"),
+                        ("-o", "x.jsonl", "--stats", "sub/../x.jsonl"),
+                        ("--record", "take", "-o", "take/output.jsonl"),
+                        ("--record", "take", "-o", "x.csv", "--stats", "take/input.stream")):
+            self.assert_fails(self.run_tool(*source, *outputs), 2, "two outputs name the same file")
+        self.assertEqual(self.files(), before)
+
     def test_batch(self):
         self.write("in/walk.bvh", short_clip("wave", 2))
         (self.folder / "out").mkdir()

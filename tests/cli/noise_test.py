@@ -57,6 +57,29 @@ class Clean(ToolTest):
             auto, off = ((self.folder / f"{how}.csv").read_bytes() for how in ("auto", "off"))
             self.assertEqual(auto, off, name)
 
+    def test_lost_frames_at_the_end_are_skipped(self):
+        whole = noise.Motion(sample("walk"))
+        for lost in (1, 3):
+            with self.subTest(lost=lost):
+                motion = noise.Motion(sample("walk"))
+                motion.rows[-lost:] = [[0.0] * len(row) for row in motion.rows[-lost:]]
+                said = self.run_on(self.write("lost.bvh", motion.text()))
+                self.assertRegex(said, f"end +{lost} frames? at the end skipped")
+                self.assertNotIn("warning", said)
+                motion.rows = whole.rows[:-lost]
+                self.run_on(self.write("shorter.bvh", motion.text()), output="shorter.csv")
+                self.assertEqual(len(self.rows("out.csv")), len(whole.rows) - lost)
+                for one, other in zip(self.rows("out.csv"), self.rows("shorter.csv")):
+                    for a, b in zip(one, other):
+                        self.assertAlmostEqual(a, b, delta=0.001)
+        self.run_on("lost.bvh", "--clean", "off")
+        self.assertEqual(len(self.rows("out.csv")), len(whole.rows))
+
+    def rows(self, name):
+        return [[float(value) for value in line.split(",")]
+                for line in (self.folder / name).read_text().splitlines()
+                if line[0] in "-0123456789"]
+
     def test_noise_of_the_root_is_undone(self):
         cases = {
             "depth and height": lambda m: noise.root_noise(m, 0.15, 0.06),

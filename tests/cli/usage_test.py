@@ -144,6 +144,10 @@ class Mistakes(ToolTest):
             checked = subprocess.run([program, "-n"], input=script.stdout, text=True,
                                      capture_output=True, timeout=60)
             self.assertEqual((checked.returncode, checked.stderr), (0, ""), shell)
+        for shell, texts in (("zsh", (r"robot'\''s", r"udp\:PORT")), ("fish", (r"robot\'s", "udp:PORT"))):
+            script = self.run_tool("generate", shell).stdout
+            for text in (*texts, "retarget robots list", "zsh fish man options robot-pack"):
+                self.assertIn(text, script, shell)
         page = self.run_tool("generate", "man")
         self.assertIn(".SH EXIT STATUS", page.stdout)
 
@@ -158,7 +162,7 @@ class Mistakes(ToolTest):
             line = (f". ./complete.sh; COMP_WORDS=({asked}); COMP_CWORD={len(words)}; _retarget {shlex.quote(TOOL)}; "
                     'printf "%s\\n" "${COMPREPLY[@]}"')
             return subprocess.run([bash, "-c", line], cwd=self.folder, text=True, timeout=60,
-                                  capture_output=True, env=self.tool_environment()).stdout.split()
+                                  capture_output=True, env=self.tool_environment()).stdout.splitlines()
 
         self.assertEqual(completed("--method", ""), ["fit", "gmr"])
         self.assertEqual(completed("--tpose-fr"), ["--tpose-frame"])
@@ -171,6 +175,12 @@ class Mistakes(ToolTest):
         self.assertEqual(completed("batch", "--format", "npz-m"), ["npz-mjlab"])
         self.assertEqual(completed("generate", "rob"), ["robot-pack"])
         self.assertEqual(completed("help", "simu"), ["simulate"])
+        self.assertEqual(completed("robots", "check", "booster_k"), ["booster_k1"])
+        self.write("my walk.bvh", "")
+        self.write("a *", "")
+        for words in (("my",), ("--bvh", "my"), ("inspect", "my")):
+            self.assertEqual(completed(*words), ["my walk.bvh"])
+        self.assertEqual(completed("--bvh", "a"), ["a *"])
 
     def test_hints_name_the_help_of_the_command(self):
         for words in (("evaluate", "x.csv", "--no-such"), ("evaluate", "x.csv", "--fps"),

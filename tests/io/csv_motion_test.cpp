@@ -169,10 +169,10 @@ TEST_F(CsvMotion, AcceptsHeadersWithoutVariantJoints) {
 TEST_F(CsvMotion, ReadsItsOwnHeadersOfJointsWithDelimiters) {
   std::string model = kTwoArms;
   for (std::size_t at = 0; (at = model.find("\"left_elbow\"", at)) != std::string::npos; ++at) {
-    model.replace(at, 12, "\"left, bent; elbow\"");
+    model.replace(at, 12, "\"left, &quot;bent&quot;; elbow\"");
   }
   const auto robot = robot_from_text(model);
-  ASSERT_TRUE(robot->find_joint("left, bent; elbow"));
+  ASSERT_TRUE(robot->find_joint("left, \"bent\"; elbow"));
   RobotClip clip(robot, {30, 1}, 1);
   std::ranges::copy(std::vector{1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.04, 0.5},
                     clip.qpos(0).begin());
@@ -184,6 +184,9 @@ TEST_F(CsvMotion, ReadsItsOwnHeadersOfJointsWithDelimiters) {
                                                   with([](auto& o) { o.metres_per_unit = 1.0; })));
     EXPECT_EQ(read.clip.qpos(0)[8], 0.2);
   }
+  RobotCsvOptions named;
+  named.header = true;
+  EXPECT_NE(format_robot_csv(clip, named).find(R"(,"left, ""bent""; elbow",)"), std::string::npos);
 }
 
 TEST_F(CsvMotion, ReadsRateFromTimes) {

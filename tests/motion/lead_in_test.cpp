@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "motion/lost_end.h"
 #include "motion/test_clips.h"
 #include "retarget/clip.h"
 
@@ -55,6 +56,34 @@ TEST(LeadIn, FindsALeadingZeroFrame) {
 
 TEST(LeadIn, FindsAHeldPose) {
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(30, 90), 12, 2.0)), 12);
+}
+
+// Appends `count` frames in which every joint is rotated by `angle`.
+Clip with_frames_behind(const Clip& clip, int count, double angle) {
+  Clip longer(clip.shared_skeleton(), clip.rate(), clip.frame_count() + count);
+  for (int frame = 0; frame < longer.frame_count(); ++frame) {
+    copy_frame(clip, std::min(clip.frame_count() - 1, frame), longer, frame);
+    if (frame < clip.frame_count()) continue;
+    for (auto& rotation : longer.rotations(frame)) rotation = exp_so3(angle * kTestAxis);
+  }
+  return longer;
+}
+
+TEST(LostEnd, FindsFramesOfZerosAfterAJump) {
+  const Clip turned = make_clip({30, 1}, 90, [](double t) { return 1.5 + 0.1 * t; });
+  for (const int count : {1, 3, 40}) {
+    EXPECT_EQ(count_lost_end_frames(with_frames_behind(turned, count, 0.0)), count);
+    EXPECT_EQ(count_lost_end_frames(with_frames_behind(turned, count, 0.2)), 0);
+  }
+}
+
+TEST(LostEnd, MotionsThatEndWithoutAJumpHaveNone) {
+  for (const int frames : {0, 1, 3, 90}) EXPECT_EQ(count_lost_end_frames(swinging(30, frames)), 0);
+  // A movement that slows down to the rest pose.
+  const Clip slowing = make_clip({30, 1}, 90, [](double t) { return std::max(0.0, 1.5 - t); });
+  EXPECT_EQ(count_lost_end_frames(slowing), 0);
+  const Clip still = make_clip({30, 1}, 90, [](double) { return 0.0; });
+  EXPECT_EQ(count_lost_end_frames(still), 0);
 }
 
 // A helper at the origin, above a body that stands 30 m away.

@@ -35,6 +35,7 @@ struct Command {
   std::vector<Told> options;
   std::vector<std::string> commands;  // Its subcommands.
   std::vector<std::string> words;     // Further words that may follow.
+  bool takes_robot = false;           // A robot may follow.
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -82,6 +83,7 @@ void collect(const CLI::App& app, const std::string& path, std::vector<Command>&
       command.arguments += " " + option->get_type_name();
       const std::vector<std::string> words = literals_of(option->get_type_name());
       command.words.insert(command.words.end(), words.begin(), words.end());
+      command.takes_robot |= option->get_type_name().find("ROBOT") != std::string::npos;
     }
     if (option->nonpositional() && !option->get_group().empty()) {
       command.options.push_back(tell(*option));
@@ -100,15 +102,42 @@ std::string joined(const std::vector<std::string>& words, const char* between = 
   return fmt::format("{}", fmt::join(words, between));
 }
 
-// Removes characters that would end quoted text in a script.
-std::string plain(std::string text, std::string_view special) {
-  std::erase_if(text, [&](char letter) { return special.find(letter) != special.npos; });
-  return text;
+// Replaces single characters by text.
+std::string replaced(const std::string& text,
+                     std::initializer_list<std::pair<char, const char*>> words) {
+  std::string safe;
+  for (const char letter : text) {
+    const auto* word = std::ranges::find(words, letter, &std::pair<char, const char*>::first);
+    word == words.end() ? safe += letter : safe += word->second;
+  }
+  return safe;
+}
+
+// One word of bash or zsh.
+std::string quoted(const std::string& text) {
+  return "'" + replaced(text, {{'\'', "'\\''"}}) + "'";
+}
+
+// Prints the names of all robots. It runs the command that is completed.
+std::string robot_names(const char* program) {
+  return fmt::format("$({} robots list 2>/dev/null | cut -d ' ' -f 1)", program);
+}
+
+// The command that completes with files, words and names of robots.
+std::string bash_reply(bool files, const std::vector<std::string>& words, bool robots) {
+  std::string text = quoted(joined(words));
+  if (robots) text += "\" " + robot_names("\"$1\"") + "\"";
+  return fmt::format("_retarget_reply{} -W {}", files ? " -f" : "", text);
 }
 
 std::string bash_script(const std::vector<Command>& commands) {
+  // Each line is one reply: names of files contain spaces. If nothing matches a name with quotes or
+  // backslashes, the shell completes files itself.
   std::string text =
-      "# bash completion for retarget\n_retarget() {\n"
+      "# bash completion for retarget\n_retarget_reply() {\n"
+      "  local line\n  COMPREPLY=()\n  while IFS= read -r line; do COMPREPLY+=(\"$line\"); done"
+      " < <(compgen \"$@\" -- \"$cur\")\n"
+      "  [[ $1 == -f ]] || compopt +o default 2>/dev/null\n}\n_retarget() {\n"
       "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} path= word\n"
       "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    case \"$path $word\" in\n";
   for (const Command& command : commands) {
@@ -121,33 +150,31 @@ std::string bash_script(const std::vector<Command>& commands) {
   for (const Command& command : commands) {
     for (const Told& option : command.options) {
       if (!option.takes_value) continue;
-      const std::string files = option.is_path ? " -f" : "";
-      const std::string words = option.is_robot
-                                    ? "\"$(\"$1\" robots list 2>/dev/null | cut -d ' ' -f 1)\""
-                                    : "'" + joined(option.words) + "'";
-      text += fmt::format("    '{}:--{}') COMPREPLY=($(compgen{} -W {} -- \"$cur\")); return ;;\n",
-                          command.path, option.name, files, words);
+      text += fmt::format("    '{}:--{}') {}; return ;;\n", command.path, option.name,
+                          bash_reply(option.is_path, option.words, option.is_robot));
     }
   }
   text += "  esac\n  case \"$path\" in\n";
   for (const Command& command : commands) {
     std::vector<std::string> names;
     for (const Told& option : command.options) names.push_back("--" + option.name);
-    text += fmt::format(
-        "    '{}') if [[ $cur == -* ]]; then COMPREPLY=($(compgen -W '{}' -- \"$cur\"))\n"
-        "      else COMPREPLY=($(compgen -f -W '{}' -- \"$cur\")); fi ;;\n",
-        command.path, joined(names), joined(command.commands) + " " + joined(command.words));
+    std::vector<std::string> words = command.commands;
+    words.insert(words.end(), command.words.begin(), command.words.end());
+    text +=
+        fmt::format("    '{}') if [[ $cur == -* ]]; then {}\n      else {}; fi ;;\n", command.path,
+                    bash_reply(false, names, false), bash_reply(true, words, command.takes_robot));
   }
-  return text + "  esac\n}\ncomplete -o filenames -F _retarget retarget\n";
+  return text + "  esac\n}\ncomplete -o filenames -o default -F _retarget retarget\n";
 }
 
-std::string zsh_values(const Told& option) {
-  if (!option.takes_value) return "";
-  const std::string type = plain(option.type, ":'[]()");
-  if (!option.words.empty() && !option.is_path) {
-    return fmt::format(":{}:({})", type, joined(option.words));
-  }
-  return fmt::format(":{}:{}", type, option.is_path ? "_files" : "");
+// The action for an argument that takes files, words or robots.
+std::string zsh_action(bool files, const std::vector<std::string>& words, bool robots) {
+  if (!files && !robots) return words.empty() ? "" : "(" + joined(words) + ")";
+  std::vector<std::string> steps;
+  if (files) steps.emplace_back("_files");
+  if (!words.empty()) steps.push_back("compadd -- " + joined(words));
+  if (robots) steps.push_back("compadd -- " + robot_names("retarget"));
+  return "{" + joined(steps, "; ") + "}";
 }
 
 std::string zsh_script(const std::vector<Command>& commands) {
@@ -160,19 +187,38 @@ std::string zsh_script(const std::vector<Command>& commands) {
       text += fmt::format("      '{} {}') at='{}' ;;\n", command.path, below, path);
     }
   }
+  const auto safe = [](const std::string& description) {
+    return replaced(description, {{'\\', "\\\\"}, {'[', "\\["}, {']', "\\]"}, {':', "\\:"}});
+  };
   text += "    esac\n  done\n  case \"$at\" in\n";
   for (const Command& command : commands) {
     text += fmt::format("    '{}') _arguments", command.path);
     for (const Told& option : command.options) {
-      text += fmt::format(" \\\n      '--{}[{}]{}'", option.name, plain(option.help, ":'[]"),
-                          zsh_values(option));
+      std::string value;
+      if (option.takes_value) {
+        value = ":" + safe(option.type) + ":" +
+                zsh_action(option.is_path, option.words, option.is_robot);
+      }
+      text +=
+          " \\\n      " + quoted(fmt::format("--{}[{}]{}", option.name, safe(option.help), value));
     }
-    text += command.commands.empty()
-                ? " \\\n      '*:file:_files' ;;\n"
-                : fmt::format(" \\\n      '*:command or file:{{ _files; compadd -- {} }}' ;;\n",
-                              joined(command.commands));
+    std::vector<std::string> words = command.commands;
+    words.insert(words.end(), command.words.begin(), command.words.end());
+    text += " \\\n      " + quoted("*:argument:" + zsh_action(true, words, command.takes_robot)) +
+            " ;;\n";
   }
   return text + "  esac\n}\n_retarget \"$@\"\n";
+}
+
+std::string fish_quoted(const std::string& text) {
+  return "'" + replaced(text, {{'\\', "\\\\"}, {'\'', "\\'"}}) + "'";
+}
+
+std::string fish_words(const std::vector<std::string>& words, bool robots) {
+  std::string text = joined(words);
+  // Substitutions of fish have no dollar sign.
+  if (robots) text += (text.empty() ? "" : " ") + robot_names("retarget").substr(1);
+  return text.empty() ? "" : " -a " + fish_quoted(text);
 }
 
 std::string fish_script(const std::vector<Command>& commands) {
@@ -191,30 +237,21 @@ std::string fish_script(const std::vector<Command>& commands) {
       }
     }
     for (const Told& option : command.options) {
-      text += fmt::format("complete -c retarget -n '{}' -l {}{} -d '{}'{}{}\n", when, option.name,
-                          option.letter.empty() ? "" : " -s " + option.letter,
-                          plain(option.help, "'\\"),
-                          !option.takes_value ? ""
-                          : option.is_path    ? " -r"
-                                              : " -x",
-                          option.words.empty() ? "" : " -a '" + joined(option.words) + "'");
+      text +=
+          fmt::format("complete -c retarget -n '{}' -l {}{} -d {}{}{}\n", when, option.name,
+                      option.letter.empty() ? "" : " -s " + option.letter, fish_quoted(option.help),
+                      !option.takes_value ? ""
+                      : option.is_path    ? " -r"
+                                          : " -x",
+                      fish_words(option.words, option.is_robot));
     }
-    for (const std::string& below : command.commands) {
-      text += fmt::format("complete -c retarget -n '{}' -a {}\n", when, below);
-    }
+    std::vector<std::string> words = command.commands;
+    words.insert(words.end(), command.words.begin(), command.words.end());
+    const std::string arguments = fish_words(words, command.takes_robot);
+    if (!arguments.empty())
+      text += fmt::format("complete -c retarget -n '{}'{}\n", when, arguments);
   }
   return text;
-}
-
-// Replaces single characters by text.
-std::string replaced(const std::string& text,
-                     std::initializer_list<std::pair<char, const char*>> words) {
-  std::string safe;
-  for (const char letter : text) {
-    const auto* word = std::ranges::find(words, letter, &std::pair<char, const char*>::first);
-    word == words.end() ? safe += letter : safe += word->second;
-  }
-  return safe;
 }
 
 std::string troff(const std::string& text) {

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import pathlib
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -146,6 +148,8 @@ class GeneralMotionRetargeting:
 
     def set_ground_offset(self, ground_offset: float) -> None:
         """Lowers the targets of all following frames by this many metres."""
+        if not isinstance(ground_offset, Real) or not math.isfinite(ground_offset):
+            raise UsageError(f"ground_offset: expected a finite number, found {ground_offset!r}")
         self.ground_offset = ground_offset
 
     # ------------------------------------------------- the steps of update_targets

@@ -17,6 +17,7 @@
 #include "human/gait/track_faults.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
+#include "motion/lost_end.h"
 #include "retarget/clip_range.h"
 #include "retarget/inspect.h"
 #include "retarget/option_table.h"
@@ -145,6 +146,19 @@ Result<HumanInClip> find_human_as_run(Clip& clip, const Options& options,
                                       const std::string& data_folder) {
   (void)clean_source_frames(clip, options);
   return find_human(clip, options.human, data_folder);
+}
+
+void leave_out_lost_end(const Clip& clip, const Options& options, Plan& plan) {
+  const PartOptions& part = options.part;
+  if (!may_clean(clip, options) || !part.frames.empty() || part.end_s >= 0.0) return;
+  const int count = count_lost_end_frames(clip);
+  const int end = clip.frame_count() - count;
+  if (count == 0 || plan.part.begin >= end) return;
+  plan.part.end = end;
+  plan.clip_notes.push_back(
+      {"end", fmt::format("{} at the end skipped, because the motion jumps to zeros there; " OPTION(
+                              "clean") " off uses {}",
+                          count_text(count, "frame"), count == 1 ? "it" : "them")});
 }
 
 Result<void> clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {

@@ -21,6 +21,12 @@ struct SourceNotes {
 /// a clip according to HumanOptions::clean, before its human is recognised.
 [[nodiscard]] SourceNotes clean_source_frames(Clip& clip, const Options& options);
 
+/// Removes frames at the end of a clip in which the tracking was lost (count_lost_end_frames) from the
+/// part that a plan uses, and notes them, according to HumanOptions::clean. They stay if the options
+/// name the end.
+/// @pre the plan's part is known
+void leave_out_lost_end(const Clip& clip, const Options& options, Plan& plan);
+
 /// Removes noise from the part of a clip that a plan uses, according to HumanOptions::clean, and
 /// records the changes. Raises the fit's contact thresholds (speeds and heights) above the residual
 /// speed of standing feet, up to a limit, and lowers its weights of other contacts.

@@ -120,6 +120,7 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
                                     "lead-in") " keep uses {}",
                                 count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
   }
+  leave_out_lost_end(clip, options, plan);
   const auto& fps = options.time.fps;
   const FrameRate rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
   plan.rate = solved_rates(options.save, options.solve.method, rate).front();

@@ -13,6 +13,15 @@
 namespace retarget {
 namespace {
 
+// Quotes in a quoted name are doubled.
+std::string name_in(const CsvCell& cell) {
+  std::string name(cell.text);
+  for (std::size_t at = 0; (at = name.find("\"\"", at)) != std::string::npos; ++at) {
+    name.erase(at, 1);
+  }
+  return name;
+}
+
 // No robot motion has larger numbers in any unit.
 constexpr double kMaxNumber = 1e6;
 // Nanoseconds since 1970 are smaller.
@@ -80,7 +89,7 @@ class CsvTableReader {
     }
     const std::string_view first = cells_.front().text;
     if (!std::exchange(begun_, true) && !number_of_cell(first) && !begins_as_number(first)) {
-      for (const CsvCell& cell : cells_) table_.header.emplace_back(cell.text);
+      for (const CsvCell& cell : cells_) table_.header.push_back(name_in(cell));
       table_.comment.clear();
       return {};
     }
@@ -92,7 +101,7 @@ class CsvTableReader {
     if (begin == std::string_view::npos) return;
     split_cells(line.substr(begin), cells_);
     table_.comment.clear();
-    for (const CsvCell& cell : cells_) table_.comment.emplace_back(cell.text);
+    for (const CsvCell& cell : cells_) table_.comment.push_back(name_in(cell));
   }
 
   Result<void> read_row() {
@@ -171,6 +180,13 @@ std::string_view without_blanks_behind(std::string_view text) {
   return text;
 }
 
+// End of a quoted text that begins at `at`. A quote in the text is doubled.
+std::size_t end_of_quotes(std::string_view line, std::size_t at) {
+  std::size_t end = line.find('"', at + 1);
+  while (end < line.size() && line.substr(end + 1).starts_with('"')) end = line.find('"', end + 2);
+  return std::min(end, line.size() - 1) + 1;
+}
+
 }  // namespace
 
 void split_cells(std::string_view line, std::vector<CsvCell>& cells) {
@@ -185,7 +201,7 @@ void split_cells(std::string_view line, std::vector<CsvCell>& cells) {
   skip_blanks();
   while (at < line.size()) {
     const std::size_t begin = at;
-    if (line[at] == '"') at = std::min(line.find('"', at + 1), line.size() - 1) + 1;
+    if (line[at] == '"') at = end_of_quotes(line, at);
     while (at < line.size() && !parts(line[at])) ++at;
     std::string_view text = without_blanks_behind(line.substr(begin, at - begin));
     if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {

@@ -62,9 +62,13 @@ std::vector<std::string> column_names(const Robot& robot, const RobotCsvOptions&
   return names;
 }
 
-// Quotes a name that contains a delimiter of any CSV.
+// Quotes a name that contains a quote or a delimiter of any CSV.
 std::string quoted_cell(const std::string& name) {
-  return name.find_first_of(",; \t") == std::string::npos ? name : '"' + name + '"';
+  if (name.find_first_of("\",; \t") == std::string::npos) return name;
+  std::string cell = "\"";
+  for (const char letter : name)
+    cell += letter == '"' ? std::string(2, letter) : std::string(1, letter);
+  return cell + '"';
 }
 
 std::string header_line(const Robot& robot, const RobotCsvOptions& options) {

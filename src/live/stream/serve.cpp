@@ -15,6 +15,7 @@
 
 #include "live/stream/byte_source.h"
 #include "live/stream/frame_output.h"
+#include "live/stream/live_files.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/stats_writer.h"
 #include "live/stream/stream_record.h"
@@ -26,8 +27,6 @@ namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kRecordedOutput = "output.jsonl";
 
 // Microseconds since construction, on a monotonic clock.
 class Stopwatch {
@@ -153,7 +152,7 @@ Result<void> Server::open_record() {
                       StreamRecorder::create(recorded_input_in(options_.record), output_context()));
   StreamAddress to;
   to.transport = Transport::kFile;
-  to.file = (fs::path(options_.record) / kRecordedOutput).string();
+  to.file = recorded_file(options_.record, kRecordedOutput);
   return outputs_.open(std::span(&to, 1), output_context());
 }
 
@@ -342,6 +341,7 @@ Result<void> Server::replay() {
 
 Result<ServeSummary> Server::run() {
   RETARGET_TRY(check_serve(options_));
+  RETARGET_TRY(check_live_files(options_, robot_));
   RETARGET_TRY_ASSIGN(from_, parse_address(options_.input));
   RETARGET_TRY(make_pipeline());
   RETARGET_TRY(open_source());

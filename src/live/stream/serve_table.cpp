@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "live/stream/live_files.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/live_table.h"
@@ -19,14 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRecordedOptions = "live.json";
 // Longer than any run, but catches typing errors.
 constexpr double kMaxSeconds = 1e9;
-
-// Returns the file of a skeleton in the folder of a recording.
-std::string skeleton_in(const std::string& folder, const std::string& skeleton) {
-  return (fs::path(folder) / fs::path(skeleton).filename()).string();
-}
 
 // The solving options of a run, described for a stream, whose end is unknown.
 OptionTable live_solve_table(SolveOptions& options) {
@@ -46,9 +41,9 @@ Result<void> record_options(ServeRequest request) {
   fs::create_directories(folder, failed);
   if (!request.skeleton.empty()) {
     RETARGET_TRY_ASSIGN(const auto bytes, read_file(request.skeleton));
-    RETARGET_TRY(write_file(skeleton_in(folder, request.skeleton), bytes.view()));
+    RETARGET_TRY(write_file(recorded_file(folder, request.skeleton), bytes.view()));
   }
-  return write_file((fs::path(folder) / kRecordedOptions).string(),
+  return write_file(recorded_file(folder, kRecordedOptions),
                     options_text(recorded_serve_table(request)));
 }
 
@@ -142,9 +137,9 @@ std::vector<std::string> options_of_no_replay(ServeRequest request) {
 Result<void> restore_recorded(ServeRequest& request) {
   const std::string& folder = request.serve.replay;
   const std::vector<std::string> unused = options_of_no_replay(request);
-  const std::string file = (fs::path(folder) / kRecordedOptions).string();
+  const std::string file = recorded_file(folder, kRecordedOptions);
   RETARGET_TRY(load_options(file, recorded_serve_table(request), "the options of a live run"));
-  if (!request.skeleton.empty()) request.skeleton = skeleton_in(folder, request.skeleton);
+  if (!request.skeleton.empty()) request.skeleton = recorded_file(folder, request.skeleton);
   if (unused.empty()) return {};
   return usage_failure(RETARGET_OPTION("replay") " uses the input and the options of the recording",
                        "omit " + list_names(unused));
@@ -185,6 +180,7 @@ Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request
     RETARGET_TRY_ASSIGN(serve_options.skeleton, load_skeleton(request.skeleton));
   }
   RETARGET_TRY(check_serve(serve_options));
+  RETARGET_TRY(check_live_files(serve_options, robot));
   RETARGET_TRY_ASSIGN(pipeline.pace, chosen_pace(serve_options));
   if (!serve_options.record.empty()) RETARGET_TRY(record_options(request));
   if (request.plain) make_plain(pipeline.live);
