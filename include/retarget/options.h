@@ -134,7 +134,6 @@ struct TrackingWeights {
                                           ///< straight: there the twist does not move the forearm.
   double forearm_position = 10.0;
   double forearm_rotation = 8.0;
-  double straight_forearm_twist = 0.5;  ///< The same share of the forearm.
   double hand_position = 10.0;
   double hand_rotation = 8.0;
   double other_position = 10.0;  ///< All other bodies of the configuration.

@@ -190,7 +190,7 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
         UsageError: a request that contradicts itself or would write a file twice. A failed
             clip is not an error: see Batch.failed.
     """
-    _check_loaded(robots, options)
+    _check_loaded(robots, data_dir, options)
     failed, notes = _retarget.batch(inputs, output, robots, dict(options), quality, sidecar,
                                     data_dir)
     folder = Path(os.fsdecode(output))
@@ -252,11 +252,11 @@ def _fit_options(fit: Mapping[str, Any] | None) -> dict[str, Any]:
     return dict(fit)
 
 
-def _check_loaded(robot: object, options: Mapping[str, Any]) -> None:
+def _check_loaded(robot: object, data_dir: StrPath | None, options: Mapping[str, Any]) -> None:
     """Rejects options of Robot() if the robot is already loaded."""
     of_robot = names_of("RobotOptions") & {name for name in options if options[name] is not None}
     if isinstance(robot, _retarget.Robot):
-        _robot(robot, None, dict.fromkeys(of_robot))
+        _robot(robot, data_dir, dict.fromkeys(of_robot))
 
 
 def _robot(robot: _retarget.Robot | StrPath | None, data_dir: StrPath | None,

@@ -42,7 +42,7 @@ def convert(input: StrPath, output: StrPath, robot: _retarget.Robot | StrPath | 
         ConfigError: an unknown robot.
         RunError: the output cannot be written.
     """
-    _check_loaded(robot, options)
+    _check_loaded(robot, data_dir, options)
     written = _retarget.convert(input, output, robot, dict(options), data_dir)
     return [Path(path) for path in written]
 

@@ -59,6 +59,7 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   if (nb::isinstance<RobotHandle>(robots)) {
     const LoadedRobot& loaded = nb::cast<const RobotHandle&>(robots).loaded;
     request.run.robot = loaded.choice;
+    request.data_folder = loaded.data_folder;
     if (!loaded.choice.name.empty()) request.robots = {loaded.choice.name};
   } else if (!robots.is_none()) {
     request.robots = paths_of(robots, "robots");
@@ -66,7 +67,9 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   request.quality = quality;
   request.of_clip.sidecar = sidecar;
   request.begin_worker = begin_worker;
-  request.data_folder = value_of(data_folder_of(bytes_of_folder(data_dir)));
+  if (request.data_folder.empty()) {
+    request.data_folder = value_of(data_folder_of(bytes_of_folder(data_dir)));
+  }
   nb::list notes;
   Watcher watcher(nb::none());
   NotesObserver observer(watcher, notes);

@@ -43,12 +43,14 @@ nb::list convert(const nb::object& input, const nb::object& output, const nb::ob
   if (request.output == "-") {
     raise(usage_failure("output: expected a file, found standard output").value());
   }
+  std::string chosen = bytes_of_folder(data_dir);
   if (nb::isinstance<RobotHandle>(robot)) {
-    request.robot = nb::cast<const RobotHandle&>(robot).loaded.choice;
+    const LoadedRobot& loaded = nb::cast<const RobotHandle&>(robot).loaded;
+    request.robot = loaded.choice;
+    chosen = loaded.data_folder;
   } else if (!robot.is_none()) {
     request.robot.name = bytes_of_path(robot, "robot");
   }
-  const std::string chosen = bytes_of_folder(data_dir);
   WarningsObserver observer;
   const auto written = without_gil([&]() -> Result<std::vector<WrittenFile>> {
     RETARGET_TRY_ASSIGN(request.data_folder.chosen, data_folder_of(chosen));

@@ -14,13 +14,17 @@ namespace nb = nanobind;
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
+/// Whether this thread shuts the interpreter down: it released the GIL during the shutdown, so it
+/// also held it then. Only this thread may take it again.
+inline thread_local bool shuts_down = false;
+
 /// Calls a function that takes the GIL. While the interpreter shuts down, a daemon thread waits here
 /// until the process ends, as in Python 3.14. Earlier versions end the thread with an exception that
 /// C++ functions cannot let pass, and the process would abort.
 template <typename Function>
 void take_gil(const Function& take) noexcept {
   try {
-    if (Py_IsInitialized() != 0) {
+    if (Py_IsInitialized() != 0 || shuts_down) {
       take();
       return;
     }
@@ -33,7 +37,10 @@ void take_gil(const Function& take) noexcept {
 /// Releases the GIL during its lifetime.
 class ReleasedGil {
  public:
-  ReleasedGil() noexcept : state_(PyEval_SaveThread()) {}
+  ReleasedGil() noexcept {
+    shuts_down = Py_IsInitialized() == 0;
+    state_ = PyEval_SaveThread();
+  }
   ~ReleasedGil() {
     take_gil([this] { PyEval_RestoreThread(state_); });
   }
@@ -41,7 +48,7 @@ class ReleasedGil {
   ReleasedGil& operator=(const ReleasedGil&) = delete;
 
  private:
-  PyThreadState* state_;
+  PyThreadState* state_ = nullptr;
 };
 
 /// Holds the GIL during its lifetime, on any thread.

@@ -285,6 +285,26 @@ def test_the_manifest_of_this_run_alone(data: Path, tmp_path: Path) -> None:
     assert len(shard.clips) == 1
 
 
+def test_finalizers_may_call_the_engine_while_python_shuts_down(data: Path) -> None:
+    program = """
+        import sys
+        import retarget
+
+        class Late:
+            def __del__(self):
+                motion = self.to_robot(self.clip, self.robot)
+                print(motion.frame_count, flush=True)
+
+        late = Late()
+        late.to_robot = retarget.to_robot
+        late.clip, late.robot = retarget.load(sys.argv[1]), retarget.Robot("unitree_g1")
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(program),
+                           str(data / "wave.bvh")], capture_output=True, text=True, check=False,
+                          timeout=120)
+    assert (done.returncode, done.stderr, int(done.stdout) > 0) == (0, "", True)
+
+
 @pytest.mark.parametrize("call", [
     "retarget.to_robot(clip, robot)", "retarget.to_robot(clip, robot, method='gmr', fps=500)",
     "retarget.load(file)", "push(clip, robot)"])

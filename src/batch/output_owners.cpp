@@ -56,6 +56,13 @@ Failure owned_failure(const std::string& output, const BatchInput& input, const 
                            "redo") " starts over"));
 }
 
+// Whether the relative path of a clip may refer to the working directory of an earlier run.
+bool may_be_elsewhere(const ManifestEntry& entry) {
+  const auto folder = std::filesystem::path(entry.input.file).parent_path();
+  std::error_code ignored;
+  return folder.is_relative() && !folder.empty() && !std::filesystem::is_directory(folder, ignored);
+}
+
 }  // namespace
 
 Result<std::vector<ManifestEntry>> entries_that_give_way(const std::vector<BatchInput>& inputs,
@@ -72,7 +79,9 @@ Result<std::vector<ManifestEntry>> entries_that_give_way(const std::vector<Batch
       for (const std::string& file : files) {
         for (const ManifestEntry* owner : owners_of(file, owners)) {
           if (belongs_to(*owner, input, robot)) continue;
-          if (!clip_is_gone(*owner, clips)) return owned_failure(file, input, robot, *owner);
+          if (may_be_elsewhere(*owner) || !clip_is_gone(*owner, clips)) {
+            return owned_failure(file, input, robot, *owner);
+          }
           gone.insert(owner);
         }
       }

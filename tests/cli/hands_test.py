@@ -160,6 +160,34 @@ class Hands(ToolTest):
             result = self.retarget(*arguments, bvh=self.clip, robot="unitree_g1_with_hands")
             self.assertRegex(result.stderr, note)
 
+    def test_mirroring_keeps_the_order_of_the_notes(self):
+        scene = str(self.write("box.json", json.dumps({"bodies": [{
+            "name": "box", "shapes": [{"type": "box", "size": [1, 1, 1]}], "position": [5, 5, 0.5]}]})))
+        orders = []
+        for arguments in ((), ("--mirror",)):
+            result = self.retarget("--scene", scene, *arguments, bvh=self.clip,
+                                   robot="unitree_g1_with_hands")
+            self.assert_done(result)
+            orders.append(re.findall(r"^(?:retarget: )?(hands|scene) ", result.stderr, re.M))
+        self.assertEqual(orders, [["hands", "scene"]] * 2)
+
+    def test_the_fit_does_not_bound_the_fingers(self):
+        result = self.retarget("--report", "r.json", bvh=self.clip, robot="unitree_g1_with_hands")
+        self.assert_done(result)
+        motion, = json.loads((self.folder / "r.json").read_text())["motions"]
+        fingers = [bound["joint"] for bound in motion["fit"]["bounded"] if "_hand_" in bound["joint"]]
+        self.assertEqual(fingers, [])
+
+    def test_a_lost_end_does_not_move_the_fingers(self):
+        """The run leaves the frames of zeros out, so the fingers hold a default curl in all others."""
+        curled = with_fingers(short_clip("wave", FRAMES).decode(), lambda frame: 0.3)
+        zeros = " ".join("0" for _ in curled.splitlines()[-1].split())
+        longer = curled.replace(f"Frames: {FRAMES}", f"Frames: {FRAMES + 5}") + f"{zeros}\n" * 5
+        self.clip = str(self.write("lost.bvh", longer))
+        result = self.retarget(bvh=self.clip, robot="unitree_g1_with_hands")
+        self.assertRegex(result.stderr, r"5 frames at the end skipped")
+        self.assertRegex(result.stderr, r"hands +left and right relaxed")
+
     def test_published_method_has_fingers_on_request(self):
         exact, follow = (self.columns("--method", "gmr", *more) for more in ((), ("--hands", "follow")))
         self.assertEqual(set(exact["left_hand_index_0_joint"]), {0.0})

@@ -163,7 +163,7 @@ class SceneTest(ToolTest):
         self.need_shared()
         carry = FORMATS / "omomo_sub3_largebox_003.pt"
         box = ("--scene", SCENES / "largebox__largebox.obj", "--object-track", carry,
-               "--object-shift", "0.1,0,0")
+               "--object-shift", "0.2,0,0")
         given = self.report(carry, *box)
         followed = self.report(carry, *box, "--object-motion", "fitted", "--sidecar")
         for motion in (given, followed):

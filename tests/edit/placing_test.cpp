@@ -177,7 +177,8 @@ TEST(Loops, InPlaceReturnsToTheStart) {
     EXPECT_LT((place.position - hips_over_ground(sample.human_of(loop.clip))[0].position).norm(),
               0.15);
   }
-  EXPECT_EQ(loop.notes.size(), 2U);
+  ASSERT_EQ(loop.notes.size(), 3U);
+  EXPECT_THAT(loop.notes[2].text, testing::HasSubstr("clean"));
 }
 
 // A walk once around a circle, almost or exactly.
@@ -209,8 +210,9 @@ TEST(Loops, InPlaceReportsUnevenTravel) {
   LoopOptions options;
   options.in_place = true;
   const Loop loop = make_loop(sample.clip, sample.calibration, options).value();
-  ASSERT_EQ(loop.notes.size(), 3U);
+  ASSERT_EQ(loop.notes.size(), 4U);
   EXPECT_THAT(loop.notes[2].text, testing::HasSubstr("still move up to"));
+  EXPECT_THAT(loop.notes[3].text, testing::HasSubstr("clean"));
   options.in_place = false;
   EXPECT_EQ(make_loop(sample.clip, sample.calibration, options)->notes.size(), 2U);
 }

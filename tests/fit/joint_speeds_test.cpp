@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <memory>
 #include <random>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -166,6 +167,38 @@ class JointSpeedsTest : public FitModelTest {
 
   FitClip clip_;
 };
+
+TEST_F(JointSpeedsTest, HeldJointsCostNothing) {
+  make_clip(9, 60.0);
+  const std::size_t dof = dof_of("left_elbow_joint");
+  const auto costs = [&] {
+    TermCosts sum{};
+    const JointSpeeds found = speeds();
+    for (int t = 0; t + 1 < clip_.frame_count; ++t) found.add_costs(t, sum);
+    return sum;
+  };
+  const TermCosts all = costs();
+  model_.lower[dof] = model_.upper[dof] = 0.0;
+  clip_.hold = [](int, std::span<double>) {};
+  const TermCosts others = costs();
+  EXPECT_LT(others[kTermSmoothness], all[kTermSmoothness]);
+  EXPECT_LT(others[kTermSpeed], all[kTermSpeed]);
+  const JointSpeeds found = speeds();
+  std::vector<StepTerm> terms(dofs_);
+  for (int t = 0; t + 1 < clip_.frame_count; ++t) {
+    found.terms(t, terms);
+    EXPECT_EQ(terms[dof].weight, 0.0);
+    EXPECT_EQ(terms[dof].force, 0.0);
+  }
+  // The costs of the others are those without the joint's movement.
+  const auto address = static_cast<std::size_t>(model_.tree.links()[dof - 5].qpos_address);
+  for (int t = 0; t < clip_.frame_count; ++t) {
+    clip_.frame(t, model_.configuration_size)[address] = 0.0;
+  }
+  const TermCosts still = costs();
+  EXPECT_DOUBLE_EQ(others[kTermSmoothness], still[kTermSmoothness]);
+  EXPECT_DOUBLE_EQ(others[kTermSpeed], still[kTermSpeed]);
+}
 
 TEST_F(JointSpeedsTest, GradientMatchesTheCost) {
   make_clip(9, 60.0);

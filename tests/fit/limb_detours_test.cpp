@@ -143,24 +143,6 @@ TEST(LimbDetours, MoveSymmetricArmsAlike) {
   EXPECT_LT(most, 0.5);
 }
 
-// Arms raised to the sides end half a turn away from the twist that they have after a raise to the
-// front, and no shoulder reaches that twist. The trunk must not turn to make up for a part of it.
-TEST(LimbDetours, TheTwistOfStraightArmsDoesNotTurnTheTrunk) {
-  constexpr std::array<ArmPose, 4> kPoses = {{{-80, 90, 2}, {0, 90, 2}, {88, 90, 2}, {88, 90, 2}}};
-  const RobotCase robot = robot_case("unitree_g1");
-  const auto waist_yaw = [&](const FitOptions& options) {
-    const auto solved = fitted(arm_movement(kPoses), robot, options);
-    const auto& joints = robot.robot->joints();
-    const auto found = std::ranges::find(joints, "waist_yaw_joint", &RobotJoint::name);
-    return std::abs(solved->clip.qpos(solved->clip.frame_count() - 1)[static_cast<std::size_t>(
-        found->qpos_address)]);
-  };
-  FitOptions full;
-  full.weights.straight_upper_arm_twist = full.weights.straight_forearm_twist = 1.0;
-  EXPECT_LT(waist_yaw({}), 0.05);
-  EXPECT_GT(waist_yaw(full), 0.1);
-}
-
 TEST(LimbDetours, LeavesArmsWithinReachUnchanged) {
   // The same swing at half the height reaches no limit.
   constexpr std::array<ArmPose, 5> kPoses = {

@@ -142,7 +142,9 @@ TEST(ChangedScene, FramesOfObjectsDoNotMatter) {
   for (const Vector3d& origin : {Vector3d(0.0, 0.0, 0.0), Vector3d(0.3, -0.2, 0.1)}) {
     const FramedBox framed(origin);
     const Pose& before = framed.scene.bodies[0].world_from_body;
-    const SceneWorld world = scaled_world(world_of(framed.scene), 0.75);
+    SceneWorld placed = world_of(framed.scene);
+    placed.fixed = {0};  // A track moves the box.
+    const SceneWorld world = scaled_world(placed, 0.75);
     const Pose scaled = world.clip.pose(0, 0) * framed.box_from_body.inverse();
     EXPECT_LT((scaled.translation.head<2>() - Vector2d(1.5, -0.75)).norm(), 1e-12);
     EXPECT_LT((world.clip.scene->bodies[0].world_from_body.translation -

@@ -329,9 +329,10 @@ OptionTable solve_table(SolveOptions& options) {
              "Inverse kinematics engine; both produce the same iterates",
              {.uses = OptionUse::kLive}),
       option("hands", options.hands, kRobotGroup, "",
-             "Fingers of robots with hands: follow imitates the human's fingers, or relaxes them "
-             "if the source has none; relaxed keeps them half open; off includes them in the body "
-             "solver; auto is follow, or off with " OPTION("method") " gmr",
+             "Fingers of robots with hands: auto imitates human fingers that move or close, and "
+             "relaxes others; follow imitates every pose except the rest pose; relaxed keeps "
+             "them half open; off includes them in the body solver, as auto does with " OPTION(
+                 "method") " gmr",
              {.uses = OptionUse::kLive}),
       option("scale", options.scale, kRobotGroup, "",
              "Scaling of the motion: limbs scales legs, trunk and arms to the robot's lengths; "

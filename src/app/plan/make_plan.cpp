@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
@@ -168,6 +169,8 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
   TRY(load_surroundings(clip, plan));
+  // vary_scene() continues these lines.
+  std::vector<SummaryLine> scene_lines = std::exchange(plan.config_notes, {});
   TRY(clean_source(clip, source_notes, plan));
   doubt_jumps(clip, plan);
   doubt_level(clip, plan);
@@ -179,6 +182,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   TRY(load_edits(clip, plan));
+  std::ranges::move(scene_lines, std::back_inserter(plan.config_notes));
   TRY(check_scene_fit(clip, plan));
   TRY(scale_source_travel(clip, plan));
   TRY(vary_scene(clip, plan));

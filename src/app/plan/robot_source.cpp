@@ -97,7 +97,7 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
   weights.thigh_twist = weights.thigh_rotation;
   weights.shank_rotation *= kLegs / usual.shank_rotation;
   weights.shank_twist = weights.shank_rotation;
-  weights.straight_upper_arm_twist = weights.straight_forearm_twist = 1.0;
+  weights.straight_upper_arm_twist = 1.0;
   for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
     *weight *= 1.5;
   }

@@ -297,17 +297,14 @@ HandPoser::HandPoser(const Clip& clip, const SourceHand& hand)
 bool HandPoser::shape(int frame, HandShape& shape) {
   const Skeleton& skeleton = clip_.skeleton();
   const auto rotations = clip_.rotations(frame);
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const int joint = joints_[i], parent = skeleton.joint(joint).parent;
-    const Pose local{rotations[static_cast<std::size_t>(joint)], clip_.translation(frame, joint)};
-    wrist_from_joint_[i] = parent == hand_.wrist ? local
-                                                 : wrist_from_joint_[static_cast<std::size_t>(
-                                                       place_[static_cast<std::size_t>(parent)])] *
-                                                       local;
-  }
-  const auto pose_of = [&](int joint) -> const Pose& {
+  const auto pose_of = [&](int joint) -> Pose& {
     return wrist_from_joint_[static_cast<std::size_t>(place_[static_cast<std::size_t>(joint)])];
   };
+  for (const int joint : joints_) {
+    const int parent = skeleton.joint(joint).parent;
+    const Pose local{rotations[static_cast<std::size_t>(joint)], clip_.translation(frame, joint)};
+    pose_of(joint) = parent == hand_.wrist ? local : pose_of(parent) * local;
+  }
   Eigen::Vector3d knuckles = Eigen::Vector3d::Zero();
   const SourceFinger* first = nullptr;
   int count = 0;

@@ -33,6 +33,7 @@ Result<std::vector<std::string>> files_read(const ServeOptions& options, const R
 
 Result<std::vector<std::string>> files_written(const ServeOptions& options) {
   std::vector<std::string> files = {options.stats};
+  if (options.outputs.empty()) files.emplace_back("-");  // As in Server::open_outputs().
   for (const std::string& place : options.outputs) {
     RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(place));
     if (to.transport == Transport::kFile) files.push_back(to.file);

@@ -242,12 +242,14 @@ void Fit::hold_joints() {
   }
 }
 
-// Projects each joint's positions onto its position and speed limits.
+// Projects each joint's positions onto its position and speed limits. Held joints keep their own
+// limits, and the range of hold_joints() is their position in the first frame only.
 void Fit::keep_bounds(FitReport& report) {
   constexpr double kNoChange = 1e-4;  // Smaller changes are not reported; rad or m.
   std::vector<double> before, now(at(clip_.frame_count));
   for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
     const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
+    if (clip_.hold && model_.lower[dof] == model_.upper[dof]) continue;
     const auto address = at(model_.tree.links()[link].qpos_address);
     for (int t = 0; t < clip_.frame_count; ++t) {
       now[at(t)] = clip_.frame(t, model_.configuration_size)[address];

@@ -135,7 +135,6 @@ double importance(double weight, double usual) {
 struct Tracking {
   double position, rotation, twist;
   double usual_position, usual_rotation;  // Configuration weights at which these apply in full.
-  double straight_twist = 1.0;            // Share of the twist's weight with a straight elbow.
 };
 
 Tracking tracking_of(Bone bone, const TrackingWeights& w) {
@@ -156,12 +155,10 @@ Tracking tracking_of(Bone bone, const TrackingWeights& w) {
     return of(w.foot_position, w.foot_rotation, 50.0, 10.0);
   }
   if (part == LimbBone::kForeArm) {
-    return {w.forearm_position,      w.forearm_rotation, w.forearm_rotation, 10.0, 5.0,
-            w.straight_forearm_twist};
+    return of(w.forearm_position, w.forearm_rotation, 10.0, 5.0);
   }
   if (part == LimbBone::kArm) {
-    return {w.upper_arm_position,      w.upper_arm_rotation, w.upper_arm_rotation, 5.0, 100.0,
-            w.straight_upper_arm_twist};
+    return of(w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0);
   }
   if (part == LimbBone::kHand) return of(w.hand_position, w.hand_rotation, 10.0, 5.0);
   return of(w.other_position, w.other_rotation, 10.0, 5.0);
@@ -189,18 +186,16 @@ void ModelMaker::add_tasks() {
     task.twist_weight = kind.twist * turns;
     // The x axis of a bone points along it.
     task.twist_axis = task.link_from_body * (row.rotation_offset.conjugate() * Vector3d::UnitX());
-    task.straight_twist = kind.straight_twist;
     model_.tasks.push_back(task);
   }
   for (FitTask& task : model_.tasks) {
-    const auto part = limb_bone(task.bone);
-    if (part != LimbBone::kArm && part != LimbBone::kForeArm) continue;
-    const LimbBone across = part == LimbBone::kArm ? LimbBone::kForeArm : LimbBone::kArm;
-    const auto other = std::ranges::find_if(model_.tasks, [&](const FitTask& one) {
-      return limb_bone(one.bone) == across && side_of(one.bone) == side_of(task.bone);
+    if (limb_bone(task.bone) != LimbBone::kArm) continue;
+    const auto forearm = std::ranges::find_if(model_.tasks, [&](const FitTask& one) {
+      return limb_bone(one.bone) == LimbBone::kForeArm && side_of(one.bone) == side_of(task.bone);
     });
-    if (other == model_.tasks.end()) continue;
-    task.across_elbow = static_cast<int>(other - model_.tasks.begin());
+    if (forearm == model_.tasks.end()) continue;
+    task.forearm = static_cast<int>(forearm - model_.tasks.begin());
+    task.straight_twist = options_.weights.straight_upper_arm_twist;
   }
 }
 
@@ -367,10 +362,10 @@ void ModelMaker::group_pairs() {
   }
 }
 
-// Share of the twist's weight. A twist by a small angle moves the other bone of the arm by the sine
-// of the elbow's bend; the squared weight follows the square of this movement.
-double twist_share(double straight_twist, const Vector3d& bone, const Vector3d& other) {
-  const double moved = bone.dot(other) < 0.0 ? 1.0 : bone.cross(other).squaredNorm();
+// Share of the twist's weight. A twist of the upper arm by a small angle moves the forearm by the
+// sine of the elbow's bend; the squared weight follows the square of this movement.
+double twist_share(double straight_twist, const Vector3d& upper, const Vector3d& lower) {
+  const double moved = upper.dot(lower) < 0.0 ? 1.0 : upper.cross(lower).squaredNorm();
   return std::sqrt(moved + square(straight_twist) * (1.0 - moved));
 }
 
@@ -389,9 +384,9 @@ void append_targets(const FitModel& model, std::span<const Pose> world_from_targ
   };
   for (std::size_t k = 0; k < model.tasks.size(); ++k) {
     const FitTask& task = model.tasks[k];
-    if (task.across_elbow < 0) continue;
+    if (task.forearm < 0) continue;
     targets[first + k].twist_share =
-        twist_share(task.straight_twist, bone(k), bone(at(task.across_elbow)));
+        twist_share(task.straight_twist, bone(k), bone(at(task.forearm)));
   }
 }
 

@@ -37,8 +37,8 @@ struct FitTask {
   /// Weight per radian of rotations about twist_axis, a unit vector in the link frame.
   double twist_weight = 0.0;
   Eigen::Vector3d twist_axis = Eigen::Vector3d::UnitX();
-  int across_elbow = -1;        ///< Task of the other bone of the same arm; -1 if there is none.
-  double straight_twist = 1.0;  ///< Share of twist_weight while this elbow is straight.
+  int forearm = -1;             ///< Of an upper arm: index of the forearm's task; -1: none.
+  double straight_twist = 1.0;  ///< Share of twist_weight while the elbow is straight.
   int foot = -1;                ///< Index into FitModel::feet if the body is a foot; else -1.
   std::string body;             ///< Name of the body.
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"
@@ -63,6 +64,11 @@ JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, const
     soft_step_.push_back(soft * clip.frame_time);
     if (hinge)
       soft_step_.back() = std::min(soft_step_.back(), kLimitShare * options.max_joint_step);
+    // No step of the fit reduces the costs of held joints.
+    if (clip.hold && model.lower[i] == model.upper[i]) {
+      smooth_weight_.back() = 0.0;
+      soft_step_.back() = std::numeric_limits<double>::infinity();
+    }
   }
   const bool second_order = limb_smoothing_ > 0.0;
   if (!second_order && clip.scene == nullptr) return;

@@ -12,8 +12,8 @@
 namespace retarget {
 namespace {
 
-// Speed limit of hinges, rad/s: a hand closes in 0.2 s. Where a minimum of the solver ends, it changes
-// to another one within a frame.
+// Speed limit of hinges, rad/s: a hand closes in 0.2 s. Where a minimum of the solver ends, it
+// changes to another one within a frame.
 constexpr double kFingerSpeed = 9.0;
 
 // Bounds of the variables of a hand: range, and largest step between two frames. They result from

@@ -40,9 +40,9 @@ class HandTrack {
  public:
   HandTrack() = default;
 
-  /// Solves the hands frame by frame (HandSolver), with steps of at most 1/120 s, smooths the result with a zero-phase filter of
-  /// about 24 ms, and clamps it to ranges and speed limits, which the rounded output also keeps. A
-  /// hand without a source hand is relaxed in all frames.
+  /// Solves the hands frame by frame (HandSolver), with steps of at most 1/120 s, smooths the result
+  /// with a zero-phase filter of about 24 ms, and clamps it to ranges and speed limits, which the
+  /// rounded output also keeps. A hand without a source hand is relaxed in all frames.
   /// @param source  clip whose frames correspond to those of the robot's motion.
   HandTrack(const Clip& source, const SourceHands& followed, const Robot& robot,
             const RobotHands& hands, const LimitSet& limits, const HandBounds& bounds = {});
