@@ -14,9 +14,9 @@ namespace retarget {
 
 SourceHands choose_hands(const Clip& clip, const Plan& plan) {
   const SolveOptions& solve = plan.options.solve;
-  return followed_hands(clip, plan.human.map, find_hands(*plan.robot.robot),
-                        hands_rule(solve.hands, solve.method),
-                        {count_lead_in_frames(clip), clip.frame_count() - count_lost_end_frames(clip)});
+  return followed_hands(
+      clip, plan.human.map, find_hands(*plan.robot.robot), hands_rule(solve.hands, solve.method),
+      {count_lead_in_frames(clip), clip.frame_count() - count_lost_end_frames(clip)});
 }
 
 namespace {

@@ -26,6 +26,9 @@ void HeldLimits::clamp(int frame, int dof, double& value) {
 void HeldLimits::move(std::size_t dropped, std::size_t frames) {
   sides_.erase(sides_.begin(), sides_.begin() + static_cast<std::ptrdiff_t>(dropped * at(dofs_)));
   sides_.resize(frames * at(dofs_), BoundSide::kFree);
+  constexpr std::size_t kUsual = 8;  // Held variables per frame for which there is room.
+  rows_.reserve(kUsual * frames);
+  entries_.reserve(kUsual * frames * at(dofs_));
 }
 
 void HeldLimits::begin_step() {
