@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -348,3 +349,19 @@ def test_a_loaded_robot_in_a_batch(data: Path, tmp_path: Path) -> None:
         retarget.batch(data / "wave.bvh", tmp_path / "c", robot, dof="23", **options)
     with pytest.raises(TypeError, match="robots: expected a path or several, found int"):
         retarget.batch(data / "wave.bvh", tmp_path / "c", 5)
+
+
+def test_a_loaded_robot_keeps_its_data_folder(data: Path, tmp_path: Path) -> None:
+    root = data.parent
+    folder = tmp_path / "folder"
+    shutil.copytree(root / "configs", folder / "configs")
+    # The copy has the G1 under another name, which no other data folder has.
+    shutil.copytree(root / "robots/unitree_g1", folder / "robots/only_here")
+    robot = retarget.Robot("only_here", data_dir=folder)
+    retarget.batch([data / "wave.bvh"], tmp_path / "out", robot, jobs=1, method="gmr")
+    assert (tmp_path / "out/wave.csv").is_file()
+    written = retarget.convert(tmp_path / "out/wave.csv", tmp_path / "wave.pkl", robot,
+                               format="pkl-gmr")
+    assert written == [tmp_path / "wave.pkl"]
+    with pytest.raises(retarget.Error, match="only_here"):
+        retarget.batch([data / "wave.bvh"], tmp_path / "other", "only_here", jobs=1, method="gmr")

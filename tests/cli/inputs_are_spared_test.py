@@ -2,9 +2,10 @@
 
 import json
 import os
+import subprocess
 import unittest
 
-from tool import SOURCE, ToolTest, sample, short_clip
+from tool import SOURCE, TOOL, ToolTest, needs_posix, sample, short_clip, unwrapped
 
 G1 = SOURCE / "robots/unitree_g1"
 
@@ -97,6 +98,17 @@ class Spared(ToolTest):
         with open(self.folder / "a.bvh", "rb") as stream:
             self.assert_spared("live", "--robot", "g1", "--input", "stdin?format=bvh", "-o",
                                "a.bvh", stdin=stream)
+
+    @needs_posix
+    def test_live_without_an_output_option_writes_to_the_standard_output(self):
+        with open(self.folder / "a.bvh", "rb") as stream, open(self.folder / "a.bvh", "ab") as out:
+            done = subprocess.run(
+                [TOOL, "live", "--robot", "g1", "--input", "stdin?format=bvh"], cwd=self.folder,
+                stdin=stream, stdout=out, stderr=subprocess.PIPE, text=True, timeout=60,
+                env=self.tool_environment(), check=False)
+        done.stderr = unwrapped(done.stderr)
+        self.assert_fails(done, 2, "overwrite the input")
+        self.assertEqual((self.folder / "a.bvh").read_bytes(), sample("wave").read_bytes())
 
     def test_recordings(self):
         live = ("live", "--robot", "g1", "--input", "stdin?format=bvh")
