@@ -1,6 +1,7 @@
 """Properties of motions with default options: an upright trunk, likeness, a calm root, planted feet."""
 
 import json
+import math
 import unittest
 
 from tool import SHARED, SOURCE, ToolTest, read_rows, sample
@@ -72,6 +73,55 @@ class StandingStraight(DefaultMotion):
         report = self.report_of_run(sample("squat"), "booster_k1")
         self.assertGreater(report["trunk_lean"]["human_deg"], 18.0)
         self.assertLess(report["trunk_lean_error_deg"][0], 2.5)
+
+
+# Joint, parent and offset in cm of a human in T-pose, y up, facing z. The last number is the length of an end.
+T_POSE = (("Hips", None, (0, 0, 0)), ("Spine", "Hips", (0, 10, 0)), ("Spine1", "Spine", (0, 24, 0)),
+          ("Neck", "Spine1", (0, 20, 0)), ("Head", "Neck", (0, 10, 2), (0, 18, 0)),
+          ("LeftShoulder", "Spine1", (4, 14, 0)), ("LeftArm", "LeftShoulder", (13, 2, 0)),
+          ("LeftForeArm", "LeftArm", (28, 0, 0)), ("LeftHand", "LeftForeArm", (26, 0, 0), (18, 0, 0)),
+          ("LeftUpLeg", "Hips", (9, -3, 0)), ("LeftLeg", "LeftUpLeg", (0, -42, 0)),
+          ("LeftFoot", "LeftLeg", (0, -42, 0)), ("LeftToe", "LeftFoot", (0, -6, 14), (0, 0, 7)))
+
+
+def human_in_t_pose(frames):
+    """A BVH clip at 30 fps; a frame gives the angle of the arms in degrees above the horizontal."""
+    joints = [*T_POSE]
+    for name, parent, *offsets in T_POSE:
+        if name.startswith("Left"):
+            joints.append((name.replace("Left", "Right"), parent.replace("Left", "Right"),
+                           *((-x, y, z) for x, y, z in offsets)))
+    order = []
+
+    def hierarchy(name, parent, offset, end=None):
+        order.append(name)
+        channels = "Zrotation Yrotation Xrotation"
+        yield f"{'JOINT' if parent else 'ROOT'} {name} {{ OFFSET {offset[0]} {offset[1]} {offset[2]}"
+        yield f"CHANNELS 3 {channels}" if parent else f"CHANNELS 6 Xposition Yposition Zposition {channels}"
+        for child in joints:
+            if child[1] == name:
+                yield from hierarchy(*child)
+        if end:
+            yield f"End Site {{ OFFSET {end[0]} {end[1]} {end[2]} }}"
+        yield "}"
+
+    lines = ["HIERARCHY", *hierarchy(*joints[0]), "MOTION", f"Frames: {len(frames)}", "Frame Time: 0.0333333"]
+    for angle in frames:
+        turned = {"LeftArm": angle, "RightArm": -angle}
+        lines.append("0 93 0 " + " ".join(f"{turned.get(name, 0)} 0 0" for name in order))
+    return "\n".join(lines) + "\n"
+
+
+class RaisedArms(DefaultMotion):
+    def test_raising_both_arms_to_the_sides_does_not_turn_the_chest(self):
+        for top in (80, 88):
+            shares = [min(1, max(0, (i / 30 - 0.8))) for i in range(100)]
+            angles = [-75 + (top + 75) * share * share * (3 - 2 * share) for share in shares]
+            clip = self.write("raised.bvh", human_in_t_pose(angles))
+            report = self.report_of_run(clip)
+            waist_yaw = [row[7 + 12] for row in self.rows("out.csv")]
+            self.assertLess(max(map(abs, waist_yaw)), math.radians(8), top)
+            self.assertLess(report["limb_angle_deg"][0], 3.0)
 
 
 class LikeThePublishedData(DefaultMotion):
