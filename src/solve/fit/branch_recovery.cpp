@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "retarget/clip.h"
 #include "retarget/kinematic_tree.h"
@@ -21,6 +24,7 @@ namespace retarget {
 namespace {
 
 constexpr double kSampleTime = 0.1;                   // Seconds between two samples of the costs.
+constexpr int kFirstWait = 5, kMaxWait = 320;         // Samples between two searches.
 constexpr int kMinSamples = 3;                        // Samples that a large error must last.
 constexpr double kAstrayBranch = 0.3490658503988659;  // Rotation error of a bone: 20 degrees.
 // Largest shares of the limb's tracking cost and of its error that may remain after a change, both
@@ -104,10 +108,21 @@ class BranchChanger {
         result_(result) {}
 
   void recover(const FitLimb& limb, const std::vector<double>& costs);
+  // Moves both arms at once while both are astray. The trunk would follow an arm
+  // that moves alone, and the other arm would then choose a branch that suits the turned trunk.
+  void recover_arms(const std::vector<FitLimb>& limbs);
 
  private:
+  // A branch of a limb that take() tries.
+  struct Move {
+    const FitLimb* limb;
+    BranchFinder* finder;
+    LimbBranch branch;
+  };
   [[nodiscard]] int worst_sample(const AstraySamples& astray, BranchFinder& finder) const;
-  bool take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder);
+  [[nodiscard]] std::optional<Move> find_move(const FitLimb& limb, int frame,
+                                              BranchFinder& finder) const;
+  bool take(std::span<const Move> moves);
 
   const FitModel& model_;
   const FitOptions& options_;
@@ -130,10 +145,62 @@ int BranchChanger::worst_sample(const AstraySamples& astray, BranchFinder& finde
   return worst;
 }
 
+std::optional<BranchChanger::Move> BranchChanger::find_move(const FitLimb& limb, int frame,
+                                                            BranchFinder& finder) const {
+  const auto other = finder.other_configuration(frame, 0.5 * astray_cost(model_, limb));
+  const auto branch = other ? finder.follow(frame, *other) : std::nullopt;
+  if (!branch) return std::nullopt;
+  return Move{&limb, &finder, *branch};
+}
+
+// By sample, the smaller one of the costs of two limbs, each as a share of its astray_cost().
+std::vector<double> shares_of_both(const LimbCostSamples& samples,
+                                   const std::array<std::size_t, 2>& limbs,
+                                   const std::array<double, 2>& astray) {
+  std::vector<double> shares(samples.costs(limbs[0]).size());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    shares[i] =
+        std::min(samples.costs(limbs[0])[i] / astray[0], samples.costs(limbs[1])[i] / astray[1]);
+  }
+  return shares;
+}
+
+void BranchChanger::recover_arms(const std::vector<FitLimb>& limbs) {
+  std::vector<std::size_t> arms;
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    if (limbs[i].is_arm && astray_cost(model_, limbs[i]) > 0.0) arms.push_back(i);
+  }
+  if (arms.size() != 2) return;
+  const FitLimb &left = limbs[arms[0]], &right = limbs[arms[1]];
+  const std::vector<double> shares = shares_of_both(
+      samples_, {arms[0], arms[1]}, {astray_cost(model_, left), astray_cost(model_, right)});
+  std::optional<BranchFinder> left_finder, right_finder;
+  int wait = kFirstWait;
+  for (auto found = next_astray(shares, 1.0, 0); found && !result_.stopped;) {
+    if (!left_finder) {
+      left_finder.emplace(model_, options_, clip_, left);
+      right_finder.emplace(model_, options_, clip_, right);
+    }
+    const int frame = samples_.frame(worst_sample(*found, *left_finder));
+    std::vector<Move> moves;
+    if (auto move = find_move(left, frame, *left_finder)) moves.push_back(std::move(*move));
+    if (!moves.empty()) {
+      if (auto move = find_move(right, frame, *right_finder)) moves.push_back(std::move(*move));
+    }
+    int next = found->end + wait;
+    if (moves.size() == 2 && take(moves)) {
+      wait = kFirstWait;
+      next = samples_.index_from(std::max(moves[0].branch.end, moves[1].branch.end));
+    } else {
+      wait = std::min(2 * wait, kMaxWait);
+    }
+    found = next_astray(shares, 1.0, next);
+  }
+}
+
 // After a search without success, the limb probably cannot follow its targets better. The interval
 // to the next search therefore doubles each time.
 void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& costs) {
-  constexpr int kFirstWait = 5, kMaxWait = 320;  // Samples.
   const double astray = astray_cost(model_, limb);
   if (!(astray > 0.0)) return;
   std::optional<BranchFinder> finder;
@@ -141,13 +208,11 @@ void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& cost
   for (auto found = next_astray(costs, astray, 0); found && !result_.stopped;) {
     if (!finder) finder.emplace(model_, options_, clip_, limb);
     const int worst = worst_sample(*found, *finder);
-    const int frame = samples_.frame(worst);
-    const auto other = finder->other_configuration(frame, 0.5 * astray);
-    const auto branch = other ? finder->follow(frame, *other) : std::nullopt;
+    const auto move = find_move(limb, samples_.frame(worst), *finder);
     int next = std::max(found->end, worst + wait);
-    if (branch && take(limb, *branch, *finder)) {
+    if (move && take({&*move, 1})) {
       wait = kFirstWait;
-      next = std::max(worst + 1, samples_.index_from(branch->end));
+      next = std::max(worst + 1, samples_.index_from(move->branch.end));
     } else {
       wait = std::min(2 * wait, kMaxWait);
     }
@@ -155,35 +220,54 @@ void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& cost
   }
 }
 
-// @return true if the limb is now on that branch; otherwise the clip is unchanged.
-bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder) {
-  constexpr int kRounds = 2;
-  WindowTrial trial(model_, options_, clip_, keep_going_, branch.begin, branch.end);
-  struct OfLimb {
-    double cost = 0.0, error = 0.0;
-  };
-  const auto of_limb = [&] {
-    OfLimb sum;
-    for (int t = branch.begin; t < branch.end; ++t) {
-      const double cost = finder.cost(t);
-      sum.cost += cost;
-      sum.error += std::sqrt(cost);
-    }
-    return sum;
-  };
-  const OfLimb before = of_limb();
-  put_limb(model_, limb, branch, clip_);
-  std::optional<RecoveredLimb> changed;
-  for (int round = 0; round < kRounds && !changed && trial.solve(); ++round) {
-    const OfLimb after = of_limb();
-    if (after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error &&
-        trial.pays_off()) {
-      changed = {limb.name, branch.begin, branch.end, before.cost, after.cost};
-    }
+// Tracking cost of a limb and its square root, each summed over frames.
+struct LimbError {
+  double cost = 0.0, error = 0.0;
+};
+
+LimbError error_of(const LimbBranch& branch, BranchFinder& finder) {
+  LimbError sum;
+  for (int t = branch.begin; t < branch.end; ++t) {
+    const double cost = finder.cost(t);
+    sum.cost += cost;
+    sum.error += std::sqrt(cost);
   }
-  result_.conclude(trial, changed);
-  if (changed) samples_.update(trial.window().begin, trial.window().end);
-  return changed.has_value();
+  return sum;
+}
+
+// @return true if the limbs are now on these branches; otherwise the clip is unchanged.
+bool BranchChanger::take(std::span<const Move> moves) {
+  constexpr int kRounds = 2;
+  const auto errors = [&] {
+    std::vector<LimbError> found;
+    for (const Move& move : moves) found.push_back(error_of(move.branch, *move.finder));
+    return found;
+  };
+  const auto is_better = [](const LimbError& after, const LimbError& before) {
+    return after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error;
+  };
+  FrameRange changed{clip_.frame_count, 0};
+  for (const Move& move : moves) {
+    changed = {std::min(changed.begin, move.branch.begin), std::max(changed.end, move.branch.end)};
+  }
+  WindowTrial trial(model_, options_, clip_, keep_going_, changed.begin, changed.end);
+  const std::vector<LimbError> before = errors();
+  for (const Move& move : moves) put_limb(model_, *move.limb, move.branch, clip_);
+  std::vector<LimbError> after;
+  bool accepted = false;
+  for (int round = 0; round < kRounds && !accepted && trial.solve(); ++round) {
+    after = errors();
+    accepted = std::ranges::equal(after, before, is_better) && trial.pays_off();
+  }
+  result_.conclude(trial, accepted);
+  if (!accepted) return false;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const LimbBranch& branch = moves[i].branch;
+    result_.limbs.push_back(
+        {moves[i].limb->name, branch.begin, branch.end, before[i].cost, after[i].cost});
+  }
+  samples_.update(trial.window().begin, trial.window().end);
+  return true;
 }
 
 }  // namespace
@@ -205,15 +289,18 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
     astray.push_back(limb.is_arm ? astray_intervals(model, clip, limb) : std::vector<FrameRange>());
   }
   BranchChanger changer(model, options, clip, keep_going, samples, result);
+  changer.recover_arms(limbs);
   for (std::size_t i = 0; i < limbs.size() && !result.stopped; ++i) {
-    const auto first = static_cast<std::ptrdiff_t>(result.limbs.size());
     changer.recover(limbs[i], samples.costs(i));
     if (limbs[i].is_arm && !result.stopped) {
       straighten_arm(model, options, clip, limbs[i], astray[i], keep_going, result);
     }
-    std::stable_sort(result.limbs.begin() + first, result.limbs.end(),
-                     [](const auto& a, const auto& b) { return a.begin < b.begin; });
   }
+  const auto order = [&](const RecoveredLimb& recovered) {
+    const auto limb = std::ranges::find(limbs, recovered.limb, &FitLimb::name);
+    return std::pair(limb - limbs.begin(), recovered.begin);
+  };
+  std::ranges::stable_sort(result.limbs, {}, order);
   solve_sunken_frames(model, options, clip, keep_going, result);
   solve_crossing_frames(model, options, clip, keep_going, result);
   return result;

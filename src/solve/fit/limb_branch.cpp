@@ -103,7 +103,8 @@ std::optional<LimbJoints> BranchFinder::other_configuration(int frame, double le
     for (std::size_t i = 0; i < count(); ++i) {
       const double lower = std::max(limits.lower[i], -kTurn);
       const double upper = std::max(lower, std::min(limits.upper[i], kTurn));
-      joints[i] = lower + van_der_corput(seed, kPrimes[i]) * (upper - lower);
+      const double share = van_der_corput(seed, kPrimes[i]);
+      joints[i] = lower + (limb_.reversed[i] ? 1.0 - share : share) * (upper - lower);
     }
     frame_.place(joints);
     const double left = frame_.solve(limits);

@@ -8,6 +8,7 @@
 
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/trigonometry.h"
 #include "solve/fit/frame_terms.h"
 #include "solve/fit/limb_frame.h"
 #include "solve/fit/limb_path.h"
@@ -21,6 +22,7 @@ constexpr double kAround = 0.6;  // Seconds of a path before and after the frame
 constexpr double kOthersEvery = 0.2;  // Seconds between two searches for other branches.
 constexpr double kFarAround = 3.0;    // Seconds around an interval that a longer search adds.
 constexpr double kLongest = 10.0;     // Longest interval that is searched, seconds.
+constexpr double kMoreVisible = 1.1;  // Largest ratio of visible_error() after and before a change.
 constexpr double kTwisted = 0.17453292519943295;  // Rotation error of the trunk: 10 degrees.
 
 // Appends an interval, or extends the last one if they meet.
@@ -65,6 +67,7 @@ class ArmStraightener {
     return frame_.cost();
   }
   bool is_trunk_twisted(const FrameRange& interval);
+  double visible_error(const FrameRange& interval);
   bool release_trunk(WindowTrial& trial);
   std::vector<LimbPlace> other_branches(const FrameRange& interval);
   std::optional<LimbBranch> find_far(const FrameRange& interval);
@@ -95,6 +98,29 @@ bool ArmStraightener::is_trunk_twisted(const FrameRange& interval) {
     }
   }
   return false;
+}
+
+// The sum of squared errors of the directions of arm bones and of the rotation of the trunk, rad^2.
+// Twists of arms are hardly visible, so a path that lowers them must not turn the trunk.
+double ArmStraightener::visible_error(const FrameRange& interval) {
+  double sum = 0.0;
+  for (int t = interval.begin; t < interval.end; ++t) {
+    frame_.set(t);
+    for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+      const FitTask& task = model_.tasks[k];
+      const Pose& world_from_link = frame_.pose().world_from_link[at(task.link)];
+      const TaskTarget& target = frame_.goals().targets[k];
+      const auto bone = limb_bone(task.bone);
+      if (bone == LimbBone::kArm || bone == LimbBone::kForeArm) {
+        const Eigen::Vector3d axis = world_from_link.rotation * task.twist_axis;
+        const Eigen::Vector3d wanted = target.world_from_link * task.twist_axis;
+        sum += square(portable::atan2(axis.cross(wanted).norm(), axis.dot(wanted)));
+      } else if (k == trunk_task_) {
+        sum += rotation_error(world_from_link, target).squaredNorm();
+      }
+    }
+  }
+  return sum;
 }
 
 // An arm far from its targets also rotates the trunk, which can put other branches out of reach.
@@ -181,7 +207,7 @@ void ArmStraightener::trim(LimbBranch& path) {
 void ArmStraightener::reroute(const FrameRange& interval) {
   FrameRange changed;
   std::optional<WindowTrial> trial;
-  double before = 0.0;
+  double before = 0.0, visible_before = 0.0;
   const auto arm_cost = [&] {
     double sum = 0.0;
     for (int t = changed.begin; t < changed.end; ++t) sum += cost(t);
@@ -192,6 +218,7 @@ void ArmStraightener::reroute(const FrameRange& interval) {
     changed = window;
     trial.emplace(model_, options_, clip_, keep_going_, window.begin, window.end);
     before = arm_cost();
+    visible_before = visible_error(window);
     return !is_trunk_twisted(window) || release_trunk(*trial);
   };
   bool is_free = begin_trial(interval);
@@ -208,7 +235,8 @@ void ArmStraightener::reroute(const FrameRange& interval) {
   std::optional<RecoveredLimb> recovered;
   if (path && is_free) {
     put_limb(model_, arm_, *path, clip_);
-    if (trial->solve() && trial->pays_off()) {
+    if (trial->solve() && trial->pays_off() &&
+        visible_error(changed) <= kMoreVisible * visible_before) {
       recovered = {arm_.name, changed.begin, changed.end, before, arm_cost()};
     }
   }

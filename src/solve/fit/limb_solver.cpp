@@ -49,7 +49,23 @@ FitLimb find_limb(const FitModel& model, Side side, bool arm) {
   for (std::size_t k = 0; limb.link > 0 && k < model.tasks.size(); ++k) {
     if (model.tree.carries(limb.link, model.tasks[k].link)) limb.tasks.push_back(k);
   }
+  limb.reversed.resize(limb.links.size());
   return limb;
+}
+
+// A mirrored rotation has the mirrored axis and the opposite angle.
+void compare_with_left(const FitModel& model, const FitLimb& left, FitLimb& right) {
+  if (left.links.size() != right.links.size()) return;
+  std::vector<double> zero(at(model.configuration_size));
+  zero[3] = 1.0;
+  const TreeState pose(model.tree, zero);
+  for (std::size_t i = 0; i < right.links.size(); ++i) {
+    const auto axis = [&](const FitLimb& limb) -> const Vector3d& {
+      return pose.angular[at(KinematicTree::dof_of(limb.links[i]))];
+    };
+    const Vector3d mirrored = axis(left).cwiseProduct(Vector3d(-1.0, 1.0, -1.0));
+    right.reversed[i] = axis(right).dot(mirrored) < 0.0;
+  }
 }
 
 }  // namespace
@@ -60,6 +76,8 @@ std::vector<FitLimb> find_limbs(const FitModel& model) {
     for (const bool arm : {true, false}) {
       FitLimb limb = find_limb(model, side, arm);
       if (limb.links.empty() || at(kMaxLimbJoints) < limb.links.size()) continue;
+      const auto left = std::ranges::find(limbs, arm, &FitLimb::is_arm);
+      if (side == Side::kRight && left != limbs.end()) compare_with_left(model, *left, limb);
       limbs.push_back(std::move(limb));
     }
   }

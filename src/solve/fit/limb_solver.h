@@ -18,6 +18,9 @@ struct FitLimb {
   int link = 0;                    ///< First link of the chain; it carries the whole limb.
   std::vector<int> links;          ///< Links of the movable joints, from the first one outwards.
   std::vector<std::size_t> tasks;  ///< Indices into FitModel::tasks.
+  /// For each of `links`, whether the joint turns against the mirror image of its counterpart in
+  /// the left limb; false for left limbs, and for limbs whose joints have no counterparts.
+  std::vector<bool> reversed;
 };
 
 /// Largest number of joints of a limb.
