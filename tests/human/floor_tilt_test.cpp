@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 
@@ -35,6 +36,23 @@ TEST(FloorTilt, MeasuresTheTiltOfAWalk) {
       EXPECT_LT(angle_between(found->up, exp_so3(turn) * Vector3d::UnitZ()), 1.5 * kDegree);
     }
   }
+}
+
+TEST(FloorTilt, MeasuresKeypointsWithNoiseAndWithoutToes) {
+  Clip walk = recorded_clip("walk");
+  for (int frame = 0; frame < walk.frame_count(); ++frame) {
+    // Centimetres; the sum of sines moves by about 0.2 m/s.
+    walk.translations(frame)[0] +=
+        0.7 * Vector3d(std::sin(2.1 * frame), 0.0, std::sin(1.7 * frame));
+  }
+  const Vector3d turn(0.0, 12.0 * kDegree, 0.0);
+  Calibration calibration = lafan1_calibration(walk.skeleton());
+  calibration.human_from_source = exp_so3(turn).toRotationMatrix() * calibration.human_from_source;
+  calibration.bones[Bone::kLeftToe] = calibration.bones[Bone::kRightToe] = {};
+  HumanPoser poser(walk, calibration);
+  const auto found = find_floor_tilt(poser, {0, walk.frame_count()});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->angle, 12.0 * kDegree, 1.5 * kDegree);
 }
 
 TEST(FloorTilt, LevelWorldsHaveNone) {

@@ -326,6 +326,29 @@ TEST(JointClipTest, AddsATrunkToKeypoints) {
   EXPECT_TRUE(clip.skeleton().find("chest").has_value());
 }
 
+// The toe of MediaPipe is called `foot_index`, that of OpenPose and Halpe `big_toe`.
+TEST(JointTreeTest, KeypointsOfVideoHaveToes) {
+  for (const JointOrder& order : joint_orders()) {
+    const std::vector<std::string> names = order.names();
+    if (std::ranges::find(names, "left_heel") == names.end()) continue;
+    JointMotion motion;
+    motion.frame_count = 1;
+    motion.joint_count = static_cast<int>(names.size());
+    motion.positions.assign(names.size(), Vector3d::Zero());
+    for (std::size_t i = 0; i < names.size(); ++i) motion.positions[i].x() = 0.01 * (double)i;
+    const auto tree = joint_tree(motion, names);
+    ASSERT_TRUE(tree.has_value()) << order.name;
+    for (const auto& [toe, ankle] : {std::pair(Bone::kLeftToe, Bone::kLeftFoot),
+                                     std::pair(Bone::kRightToe, Bone::kRightFoot)}) {
+      ASSERT_GE(tree->joint_of_bone[toe], 0) << order.name;
+      EXPECT_EQ(tree->parents[tree->joint_of_bone[toe]], tree->joint_of_bone[ankle]);
+    }
+    // As the child of an ankle, a heel could be taken for the front of the foot.
+    const auto heel = std::ranges::find(names, "left_heel") - names.begin();
+    EXPECT_EQ(tree->parents[heel], tree->joint_of_bone[Bone::kLeftLeg]) << order.name;
+  }
+}
+
 TEST(JointTreeTest, KnownJointOrdersFormBodies) {
   for (const JointOrder& order : joint_orders()) {
     const std::vector<std::string> names = order.names();

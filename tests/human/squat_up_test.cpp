@@ -60,5 +60,31 @@ TEST(UpOfPositions, NoiseDoesNotLayDownACentredBody) {
   EXPECT_GT(up_of(clip).z(), 0.99);
 }
 
+// World coordinates of video estimates are tilted, and streets have slopes. Along y, the sides of the
+// body then stay nearer to one height than the feet do along z.
+TEST(UpOfPositions, AWalkOnASlopeStands) {
+  for (const double degrees : {-12.0, -2.0, 2.0, 12.0}) {
+    const Eigen::AngleAxisd tilt(degrees * M_PI / 180.0, Vector3d::UnitY());
+    EXPECT_GT(up_of(z_up_positions("walk", [&](int, const Vector3d& place,
+                                               const Vector3d&) { return Vector3d(tilt * place); }))
+                  .z(),
+              0.99)
+        << degrees;
+  }
+  const Clip climbing =
+      z_up_positions("walk", [](int, const Vector3d& place, const Vector3d& hips) {
+        return Vector3d(place + Vector3d(0.0, 0.0, 0.04 * hips.x()));
+      });
+  EXPECT_GT(up_of(climbing).z(), 0.99);
+}
+
+// The feet of a squat rise if its hips stay at the origin.
+TEST(UpOfPositions, ACentredSquatStands) {
+  const Clip clip = z_up_positions("squat", [](int, const Vector3d& place, const Vector3d& hips) {
+    return Vector3d(place - hips);
+  });
+  EXPECT_GT(up_of(clip).z(), 0.99);
+}
+
 }  // namespace
 }  // namespace retarget

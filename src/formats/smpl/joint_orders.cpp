@@ -13,8 +13,8 @@ namespace {
 
 // Joint orders from the sources of the programs and data sets. SMPL, SMPL+H and SMPL-X: smplx
 // (HumanML3D and MDM use the first 22 of SMPL). 52 joints depth first and 53 of optical motion
-// capture: holosoma, whose LAFAN1 begins with the right leg. Key points: COCO and Human3.6M. SOMA's
-// 77 and 30 joints: Kimodo.
+// capture: holosoma, whose LAFAN1 begins with the right leg. Key points: COCO, Human3.6M,
+// MediaPipe's pose landmarks, OpenPose's BODY_25 and Halpe's body. SOMA's 77 and 30 joints: Kimodo.
 constexpr std::string_view kSmpl =
     "pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
     "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
@@ -55,6 +55,21 @@ constexpr std::string_view kCoco =
 constexpr std::string_view kHuman36m =
     "pelvis right_hip right_knee right_ankle left_hip left_knee left_ankle spine thorax neck head "
     "left_shoulder left_elbow left_wrist right_shoulder right_elbow right_wrist";
+constexpr std::string_view kMediaPipe =
+    "nose left_eye_inner left_eye left_eye_outer right_eye_inner right_eye right_eye_outer "
+    "left_ear right_ear mouth_left mouth_right left_shoulder right_shoulder left_elbow "
+    "right_elbow left_wrist right_wrist left_pinky right_pinky left_index right_index left_thumb "
+    "right_thumb left_hip right_hip left_knee right_knee left_ankle right_ankle left_heel "
+    "right_heel left_foot_index right_foot_index";
+constexpr std::string_view kBody25 =
+    "nose neck right_shoulder right_elbow right_wrist left_shoulder left_elbow left_wrist mid_hip "
+    "right_hip right_knee right_ankle left_hip left_knee left_ankle right_eye left_eye right_ear "
+    "left_ear left_big_toe left_small_toe left_heel right_big_toe right_small_toe right_heel";
+constexpr std::string_view kHalpe26 =
+    "nose left_eye right_eye left_ear right_ear left_shoulder right_shoulder left_elbow "
+    "right_elbow left_wrist right_wrist left_hip right_hip left_knee right_knee left_ankle "
+    "right_ankle head neck mid_hip left_big_toe right_big_toe left_small_toe right_small_toe "
+    "left_heel right_heel";
 constexpr std::string_view kSoma77 =
     "Hips Spine1 Spine2 Chest Neck1 Neck2 Head HeadEnd Jaw LeftEye RightEye LeftShoulder LeftArm "
     "LeftForeArm LeftHand LeftHand+ RightShoulder RightArm RightForeArm RightHand RightHand+ "
@@ -83,6 +98,9 @@ constexpr std::array kOrders = {
     JointOrder{"Human3.6M", kHuman36m},
     JointOrder{"SOMA", kSoma77},
     JointOrder{"SOMA", kSoma30},
+    JointOrder{"MediaPipe", kMediaPipe},
+    JointOrder{"OpenPose BODY_25", kBody25},
+    JointOrder{"Halpe", kHalpe26},
 };
 constexpr std::array kKimodo = {JointOrder{"SOMA", kSoma77}, JointOrder{"SOMA", kSoma30},
                                 JointOrder{"SMPL-X", kSmpl}};

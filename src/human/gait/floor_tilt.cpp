@@ -16,35 +16,49 @@ using Eigen::Vector3d;
 
 constexpr double kTiltInterval = 0.1;  // Seconds between samples.
 constexpr int kMostTiltSamples = 1000;
-constexpr double kStandingToe = 0.15;                          // m/s
+constexpr double kStandingFoot = 0.15;                         // m/s
+constexpr double kStillFor = 0.1;                              // Seconds, for the speed of a foot.
 constexpr double kLeastTilt = 8.0 * std::numbers::pi / 180.0;  // rad
 constexpr double kTiltAgreement = 0.6;                         // Share of the tilt.
 constexpr std::size_t kLeastPoints = 20;
 // Root mean squares of the distances to the plane and within it, metres.
 constexpr double kPlaneResidual = 0.03, kNarrowSpread = 0.05, kWideSpread = 0.3;
 
-constexpr std::array kTiltToes = {Bone::kLeftToe, Bone::kRightToe};
-
-// Standing toes and the mean direction of the trunk.
+// Standing feet and the mean direction of the trunk.
 struct Samples {
-  std::vector<Vector3d> toes;
+  std::vector<Vector3d> feet;
   Vector3d trunk = Vector3d::Zero();
 };
 
-Samples sample(HumanPoser& poser, FrameRange part, const FrameRate& rate) {
+// The joints of both sides that stand: toes or, in sources without toes, ankles.
+std::optional<std::array<Bone, 2>> standing_joints(const HumanClipInfo& info) {
+  for (const LimbBone part : {LimbBone::kToe, LimbBone::kFoot}) {
+    const std::array both = {side_bone(Side::kLeft, part), side_bone(Side::kRight, part)};
+    if (info.has(both[0]) && info.has(both[1])) return both;
+  }
+  return std::nullopt;
+}
+
+Samples sample(HumanPoser& poser, const std::array<Bone, 2>& feet, FrameRange part,
+               const FrameRate& rate) {
+  const auto frames_in = [&](double seconds) {
+    return std::max(1, static_cast<int>(std::lround(seconds / rate.frame_time())));
+  };
   Samples samples;
   HumanPose before, after;
-  const int step = std::max({1, static_cast<int>(std::lround(kTiltInterval / rate.frame_time())),
-                             (part.end - part.begin) / kMostTiltSamples});
-  for (int frame = part.begin; frame + 1 < part.end; frame += step) {
+  const int still = frames_in(kStillFor);
+  const int step = std::max(frames_in(kTiltInterval), (part.end - part.begin) / kMostTiltSamples);
+  for (int frame = part.begin; frame + still < part.end; frame += step) {
     poser.pose(frame, before);
-    poser.pose(frame + 1, after);
+    poser.pose(frame + still, after);
     const Vector3d line = before[Bone::kNeck].translation - before[Bone::kHips].translation;
     if (line.norm() > 0.0) samples.trunk += line.normalized();
-    for (const Bone toe : kTiltToes) {
-      const Vector3d& place = before[toe].translation;
-      const double moved = (after[toe].translation - place).norm();
-      if (moved < kStandingToe * rate.frame_time()) samples.toes.push_back(place);
+    for (const Bone foot : feet) {
+      const Vector3d &place = before[foot].translation, &later = after[foot].translation;
+      const double moved = (later - place).norm();
+      if (moved < kStandingFoot * still * rate.frame_time()) {
+        samples.feet.push_back(0.5 * (place + later));
+      }
     }
   }
   return samples;
@@ -74,11 +88,10 @@ std::optional<Vector3d> normal_of(const std::vector<Vector3d>& points) {
 
 std::optional<FloorTilt> find_floor_tilt(HumanPoser& poser, FrameRange part) {
   const HumanClipInfo info = poser.info();
-  for (const Bone bone : {Bone::kHips, Bone::kNeck, kTiltToes[0], kTiltToes[1]}) {
-    if (!info.has(bone)) return std::nullopt;
-  }
-  const Samples samples = sample(poser, part, info.rate);
-  const auto normal = normal_of(samples.toes);
+  const auto feet = standing_joints(info);
+  if (!feet || !info.has(Bone::kHips) || !info.has(Bone::kNeck)) return std::nullopt;
+  const Samples samples = sample(poser, *feet, part, info.rate);
+  const auto normal = normal_of(samples.feet);
   if (!normal || !(samples.trunk.norm() > 0.0)) return std::nullopt;
   const Vector3d trunk = samples.trunk.normalized(), up = Vector3d::UnitZ();
   const double tilt = angle_between(*normal, up);

@@ -203,6 +203,7 @@ constexpr std::array kBoneWords = {
     // Escaped: tip of the toes.
     BoneWords{Bone::kLeftToe, 1.0,
               "toe toes toebase toejoint ball \xE3\x81\xA4\xE3\x81\xBE\xE5\x85\x88"},
+    BoneWords{Bone::kLeftToe, 0.9, "footindex bigtoe"},
     // Escaped: shoulder.
     BoneWords{Bone::kLeftShoulder, 1.0, "collar collarbone clavicle \xE8\x82\xA9"},
     BoneWords{Bone::kLeftShoulder, 0.6, "shoulder"}, BoneWords{Bone::kLeftArm, 0.6, "shoulder"},
@@ -216,7 +217,7 @@ constexpr std::array kBoneWords = {
     BoneWords{Bone::kLeftHand, 1.0, "hand wrist \xE6\x89\x8B\xE9\xA6\x96"},  // Escaped: wrist.
     // Escaped: lower body.
     BoneWords{Bone::kHips, 1.0, "hips pelvis \xE4\xB8\x8B\xE5\x8D\x8A\xE8\xBA\xAB"},
-    BoneWords{Bone::kHips, 0.9, "hip"}, BoneWords{Bone::kHips, 0.3, "root rootjoint"},
+    BoneWords{Bone::kHips, 0.9, "hip midhip"}, BoneWords{Bone::kHips, 0.3, "root rootjoint"},
     BoneWords{Bone::kSpine, 1.0,
               "spine chest upperchest thorax torso abdomen waist lowerback upperback"},
     BoneWords{Bone::kNeck, 1.0, "neck lowerneck upperneck \xE9\xA6\x96"},  // Escaped: neck.

@@ -247,8 +247,14 @@ class TreeMaker {
   }
 
   // Returns the joint with the next lower number, else the nearest body joint on the same side or
-  // without one.
+  // without one. A heel moves with the shin, because as the only child of an ankle it would be the
+  // front of the foot.
   [[nodiscard]] int parent_of_other(int joint, const std::vector<int>& body) const {
+    const Side own_side = words_[joint].side;
+    if (own_side != Side::kNone && words_[joint].base == "heel") {
+      const int knee = tree_.joint_of_bone[side_bone(own_side, kLeg)];
+      if (knee >= 0) return knee;
+    }
     const NumberedName own = numbered(words_[joint]);
     int before = -1, number = -1;
     for (int other = 0; other < joints() && own.number > 0; ++other) {

@@ -284,17 +284,19 @@ class UpChooser {
   }
 
   // Chooses between the guessed axis and a common one along which the body may lie. Only a body that
-  // is upright all the time, on a floor that is much steadier than the other one, certainly stands.
+  // is upright most of the time, on a floor that is much steadier than the other one, certainly
+  // stands.
   [[nodiscard]] std::optional<UpChoice> lying_instead() const {
     const FloorEvidence along = floor(guess_.axis);
     const bool squats = guess_.certainty > kMostly && guesses_common_axis() && along.squatting();
-    const bool is_upright = guesses_common_axis() && along.on_floor() && along.standing() &&
-                            guess_.certainty > kBeyondDoubt;
+    const bool stands = guesses_common_axis() && along.standing() && guess_.certainty > kMostly &&
+                        (along.on_floor() || along.on_slope());
+    const bool is_upright = stands && along.on_floor() && guess_.certainty > kBeyondDoubt;
     for (const SignedAxis& other : kCommonAxes) {
       const FloorEvidence rival = floor(other);
       if (other.axis == guess_.axis.axis || !rival.may_rest()) continue;
       if (rival.hips > along.hips - kLowerHips) continue;
-      if (is_upright && along.is_steadier_than(rival)) continue;
+      if (stands && along.is_steadier_than(rival)) continue;
       const bool is_convention = guess_.axis == SignedAxis{};
       const bool stays =
           squats || ((is_convention || is_upright) && !along.sinks_rather_than(rival));
@@ -314,7 +316,8 @@ class UpChooser {
     const FloorEvidence upright = floor(guess_.axis);
     if (upright.on_floor()) return choice;
     const auto other = axis_of_floor(guess_.axis);
-    if (!other) return doubt_travel(choice, upright);
+    // A centred motion has no floor.
+    if (!other || !floor(*other).is_placed) return doubt_travel(choice, upright);
     if (clearly_stands(upright, floor(*other))) return choice;
     // Of two axes, y is the convention.
     if (guess_.axis != SignedAxis{}) choice.axis = *other;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/math/free_fall.h"
+#include "human/skeleton/floor_slope.h"
 #include "retarget/human.h"
 #include "retarget/statistics.h"
 
@@ -134,7 +135,9 @@ std::optional<bool> stands_flat(const Body& body, const JointPoses& pose, Side s
   return down > -kToesUp && down < kToesDown;
 }
 
-// Whether the hips stay at the origin, apart from noise. Those of a lying body are above its floor.
+}  // namespace
+
+// The hips of a lying body are above its floor.
 bool is_centred(const std::vector<Vector3d>& hips) {
   constexpr double kAtOrigin = 0.03, kNoise = 0.075;
   Vector3d middle = Vector3d::Zero();
@@ -143,8 +146,6 @@ bool is_centred(const std::vector<Vector3d>& hips) {
   for (const Vector3d& place : hips) distances.push_back((place - middle).norm());
   return middle.norm() <= kAtOrigin && percentile(distances, 80.0) <= kNoise;
 }
-
-}  // namespace
 
 bool FloorEvidence::is_steady() const {
   return wander < kSteady;
@@ -158,6 +159,11 @@ bool FloorEvidence::resting() const {
   // Recorded joints sink into the floor by centimetres.
   constexpr double kSinks = 0.1;
   return on_floor() && level >= -kSinks && is_placed;
+}
+
+bool FloorEvidence::on_slope() const {
+  constexpr double kMuchLess = 0.3;
+  return sloped_wander < kSteady && sloped_wander < kMuchLess * wander;
 }
 
 bool FloorEvidence::may_rest() const {
@@ -178,7 +184,7 @@ bool FloorEvidence::squatting() const {
 bool FloorEvidence::is_steadier_than(const FloorEvidence& other) const {
   constexpr double kStill = 0.02, kMuchLess = 0.4;
   const double others = std::min(other.span, other.sway);
-  return others > kStill && span < kMuchLess * others;
+  return others > kStill && (on_slope() ? sloped_span : span) < kMuchLess * others;
 }
 
 bool FloorEvidence::sinks_rather_than(const FloorEvidence& other) const {
@@ -227,6 +233,9 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
     flat += is_flat ? 1 : 0;
   }
   found.level = median(levels);
+  const std::vector<double> sloped = without_slope(levels, root_track, up.axis);
+  found.sloped_wander = median(sloped) - percentile(sloped, 10.0);
+  found.sloped_span = percentile(sloped, 90.0) - percentile(sloped, 10.0);
   found.wander = found.level - percentile(levels, 10.0);
   found.depth = found.level - percentile(levels, 3.0);
   found.span = percentile(levels, 90.0) - percentile(levels, 10.0);
@@ -247,7 +256,7 @@ bool climbs_along(const FloorEvidence& axis, const FloorEvidence& other) {
 
 bool clearly_stands(const FloorEvidence& standing, const FloorEvidence& other) {
   if (!standing.standing()) return false;
-  return standing.on_floor() || climbs_along(other, standing);
+  return standing.on_floor() || standing.on_slope() || climbs_along(other, standing);
 }
 
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -31,8 +32,10 @@ struct FloorEvidence {
       0.0;            ///< How far the lowest joint goes below its median height (third percentile).
   double span = 0.0;  ///< Range of the lowest joint's height, tenth to ninetieth percentile.
   double sway = 0.0;  ///< Range of the hips' positions along the axis, same percentiles.
-  double level = 0.0;  ///< Median height of the lowest joint.
-  double hips = 0.0;   ///< Median height of the hips above the lowest joint.
+  double sloped_wander = 0.0;  ///< `wander` above the slope that fits best (without_slope()).
+  double sloped_span = 0.0;    ///< `span` above this slope.
+  double level = 0.0;          ///< Median height of the lowest joint.
+  double hips = 0.0;           ///< Median height of the hips above the lowest joint.
   /// Share of the poses in which a foot stands flat near the lowest joint. Empty: the foot
   /// directions are unknown.
   std::optional<double> flat;
@@ -44,6 +47,8 @@ struct FloorEvidence {
   [[nodiscard]] bool is_steady() const;
   /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
   [[nodiscard]] bool on_floor() const;
+  /// Whether the lowest joint stays on a slope, as in tilted world coordinates.
+  [[nodiscard]] bool on_slope() const;
   /// Whether the body rests on a floor at height 0: no joint is far below it, and the hips have
   /// positions.
   [[nodiscard]] bool resting() const;
@@ -67,6 +72,11 @@ struct FloorEvidence {
 /// Returns zeros if the legs have no length.
 [[nodiscard]] FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& poses,
                                            const SignedAxis& up);
+
+/// Whether the hips stay at the origin, apart from noise: such a motion is centred and lies on no
+/// floor.
+/// @param hips  positions in legs, by pose
+[[nodiscard]] bool is_centred(const std::vector<Eigen::Vector3d>& hips);
 
 /// Whether the lowest joint climbs or travels along an axis, and much less along another one.
 [[nodiscard]] bool climbs_along(const FloorEvidence& axis, const FloorEvidence& other);

@@ -24,7 +24,7 @@ namespace retarget {
 namespace {
 
 constexpr double kSampleTime = 0.1;                   // Seconds between two samples of the costs.
-constexpr int kFirstWait = 5, kMaxWait = 320;         // Samples between two searches.
+constexpr int kShortestWait = 5, kLongestWait = 320;  // Samples between two searches.
 constexpr int kMinSamples = 3;                        // Samples that a large error must last.
 constexpr double kAstrayBranch = 0.3490658503988659;  // Rotation error of a bone: 20 degrees.
 // Largest shares of the limb's tracking cost and of its error that may remain after a change, both
@@ -175,7 +175,7 @@ void BranchChanger::recover_arms(const std::vector<FitLimb>& limbs) {
   const std::vector<double> shares = shares_of_both(
       samples_, {arms[0], arms[1]}, {astray_cost(model_, left), astray_cost(model_, right)});
   std::optional<BranchFinder> left_finder, right_finder;
-  int wait = kFirstWait;
+  int wait = kShortestWait;
   for (auto found = next_astray(shares, 1.0, 0); found && !result_.stopped;) {
     if (!left_finder) {
       left_finder.emplace(model_, options_, clip_, left);
@@ -189,10 +189,10 @@ void BranchChanger::recover_arms(const std::vector<FitLimb>& limbs) {
     }
     int next = found->end + wait;
     if (moves.size() == 2 && take(moves)) {
-      wait = kFirstWait;
+      wait = kShortestWait;
       next = samples_.index_from(std::max(moves[0].branch.end, moves[1].branch.end));
     } else {
-      wait = std::min(2 * wait, kMaxWait);
+      wait = std::min(2 * wait, kLongestWait);
     }
     found = next_astray(shares, 1.0, next);
   }
@@ -204,17 +204,17 @@ void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& cost
   const double astray = astray_cost(model_, limb);
   if (!(astray > 0.0)) return;
   std::optional<BranchFinder> finder;
-  int wait = kFirstWait;
+  int wait = kShortestWait;
   for (auto found = next_astray(costs, astray, 0); found && !result_.stopped;) {
     if (!finder) finder.emplace(model_, options_, clip_, limb);
     const int worst = worst_sample(*found, *finder);
     const auto move = find_move(limb, samples_.frame(worst), *finder);
     int next = std::max(found->end, worst + wait);
     if (move && take({&*move, 1})) {
-      wait = kFirstWait;
+      wait = kShortestWait;
       next = std::max(worst + 1, samples_.index_from(move->branch.end));
     } else {
-      wait = std::min(2 * wait, kMaxWait);
+      wait = std::min(2 * wait, kLongestWait);
     }
     found = next_astray(costs, astray, next);
   }
