@@ -346,6 +346,23 @@ TEST(FootPlan, FeetBesideARestingKneeKeepTheirWeight) {
   }
 }
 
+// A part in contact with a body in all frames: a body at rest carries the human, and a moved one does
+// not.
+TEST(FootPlan, FeetBesideAKneeOnABodyAtRestKeepTheirWeight) {
+  const SourceFeet feet = leaving_feet(120.0);
+  for (const bool at_rest : {true, false}) {
+    FitScene scene;
+    scene.world.fixed = {static_cast<char>(at_rest)};
+    scene.goals.resize(static_cast<std::size_t>(feet.frame_count()));
+    for (int frame = 0; frame <= feet.frame_count(); ++frame) {
+      scene.first_goal.push_back(static_cast<std::uint32_t>(frame));
+    }
+    FootPlan plan = plan_of(feet);
+    ease_contacts(feet, std::array{0}, 1.0, &scene, plan);
+    EXPECT_NEAR(plan.ends_of(0)[0].hold, at_rest ? 1.0 : 2.0, 1e-12);
+  }
+}
+
 TEST(FootPlan, SlidingKneeSlidesAsFarAsItsSource) {
   const FootPlan plan = plan_of_knee(feet_with_knee(0.4), 0.5);
   EXPECT_NEAR(plan.supports_of(59)[0].slide.x(), 0.5 * (0.4 - kRestingRadius), 1e-12);
