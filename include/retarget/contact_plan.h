@@ -66,7 +66,7 @@ struct EndContacts {
   std::vector<char> level;
 };
 
-/// Floor contacts of each of kSupportBones.
+/// Contacts of each of kSupportBones with surfaces below them.
 using BodyContacts = std::array<std::vector<ContactPhase>, kSupportBones.size()>;
 
 /// Foot contacts of a human, separately for heel and toe. Feet: 0 left, 1 right.
@@ -83,6 +83,8 @@ struct ContactPlan {
   std::array<std::vector<ContactPhase>, 2> soles;
   /// Floor contacts of the other bodies that may carry weight (kSupportBones).
   BodyContacts bodies;
+  /// In a scene: the contacts of these bodies with surfaces above the floor.
+  BodyContacts bodies_above_floor;
 
   /// Whether a whole foot is in contact in a frame.
   [[nodiscard]] bool in_contact(int foot, int frame) const;

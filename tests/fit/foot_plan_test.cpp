@@ -303,7 +303,7 @@ TEST(FootPlan, HoldsOfFeetFadeWithinAThirtiethOfASecond) {
     const SourceFeet feet = leaving_feet(fps);
     FootPlan plan = plan_of(feet, kScale);
     const int last = plan.phases[0].last() - 1, after = static_cast<int>(fps / 30.0) - 1;
-    ease_contacts(feet, std::array{0}, kScale, plan);
+    ease_contacts(feet, std::array{0}, kScale, nullptr, plan);
     EXPECT_EQ(plan.phases[0].last(), last + 1) << fps;
     EXPECT_EQ(plan.phases[0].end, last + 1 + after) << fps;
     double hold = plan.ends_of(last)[0].hold;
@@ -327,7 +327,7 @@ TEST(FootPlan, HoldsOfFeetDoNotFadeAtThirtyFramesPerSecond) {
   for (const double fps : {24.0, 30.0, 30.0003}) {
     const SourceFeet feet = leaving_feet(fps);
     FootPlan plan = plan_of(feet);
-    ease_contacts(feet, std::array{0}, 1.0, plan);
+    ease_contacts(feet, std::array{0}, 1.0, nullptr, plan);
     EXPECT_EQ(plan.phases[0].before + plan.phases[0].after, 0) << fps;
     for (const FootEndGoal& goal : plan.ends) {
       EXPECT_EQ(goal.near_phase, -1) << fps;
@@ -340,9 +340,26 @@ TEST(FootPlan, FeetBesideARestingKneeKeepTheirWeight) {
   SourceFeet feet = feet_with_knee(0.03);
   FootPlan plan = plan_of_knee(feet, 0.5);
   feet.frame_time = 1.0 / 120.0;
-  ease_contacts(feet, std::array{0}, 0.5, plan);
+  ease_contacts(feet, std::array{0}, 0.5, nullptr, plan);
   for (int frame = 0; frame < feet.frame_count(); ++frame) {
     EXPECT_EQ(plan.ends_of(frame)[0].hold, 1.0) << frame;
+  }
+}
+
+// A part in contact with a body in all frames: a body at rest carries the human, and a moved one does
+// not.
+TEST(FootPlan, FeetBesideAKneeOnABodyAtRestKeepTheirWeight) {
+  const SourceFeet feet = leaving_feet(120.0);
+  for (const bool at_rest : {true, false}) {
+    FitScene scene;
+    scene.world.fixed = {static_cast<char>(at_rest)};
+    scene.goals.resize(static_cast<std::size_t>(feet.frame_count()));
+    for (int frame = 0; frame <= feet.frame_count(); ++frame) {
+      scene.first_goal.push_back(static_cast<std::uint32_t>(frame));
+    }
+    FootPlan plan = plan_of(feet);
+    ease_contacts(feet, std::array{0}, 1.0, &scene, plan);
+    EXPECT_NEAR(plan.ends_of(0)[0].hold, at_rest ? 1.0 : 2.0, 1e-12);
   }
 }
 

@@ -65,7 +65,7 @@ TEST(BodyContacts, LowBackRestsOnlyWithLowShoulders) {
   const auto with_shoulders_at = [&](double left, double right) {
     source.uppers.clear();
     for (int frame = 0; frame < 30; ++frame) {
-      source.uppers.insert(source.uppers.end(), {left, right, 0.3});
+      for (const double height : {left, right, 0.3}) source.uppers.emplace_back(0.0, 0.0, height);
     }
     return contacts(source, kBack);
   };

@@ -36,7 +36,8 @@ SourceFeet body_upside_down(double floor, int frames = 60) {
     for (std::size_t i = 0; i < kSupportBones.size(); ++i) {
       source.supports.emplace_back(0.0, 0.0, floor + 1.0);
     }
-    for (std::size_t i = 0; i < kUpperBones.size(); ++i) source.uppers.push_back(floor + 1.0);
+    for (std::size_t i = 0; i < kUpperBones.size(); ++i)
+      source.uppers.emplace_back(0.0, 0.0, floor + 1.0);
   }
   return source;
 }
@@ -98,7 +99,8 @@ TEST(StandingHeights, TheHeadOfAHeadstandIsOnTheFloor) {
   for (const double floor : {0.0, 0.5}) {
     SourceFeet source = body_upside_down(floor);
     for (int frame = 0; frame < source.frame_count(); ++frame) {
-      source.uppers[static_cast<std::size_t>(frame) * kUpperBones.size() + kHead] = floor + 0.07;
+      source.uppers[static_cast<std::size_t>(frame) * kUpperBones.size() + kHead].z() =
+          floor + 0.07;
     }
     EXPECT_NEAR(floor_of(source), floor, 0.03) << floor;
   }

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/plan/scene_fit.h"
 #include "app/plan/set_up_robot.h"
-#include "app/plan/surroundings.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/floor_tilt.h"

@@ -133,8 +133,8 @@ void find_contacts_of_human(const HumanClip& human, double pace, const SceneWorl
   const ContactPlan contacts = find_contacts_on_ground(world, feet);
   SurfaceParts parts(human, contacts.scale);
   for (int frame = 0; frame < human.frame_count; ++frame) parts.add(human.frame(frame));
-  set_contacts(world, feet, contacts, find_surface_contacts(world, parts, {}, feet.frame_time),
-               solved);
+  set_contacts(world, feet, contacts,
+               find_surface_contacts(world, parts, contacts, {}, feet.frame_time), solved);
   of_feet = contacts.of_ends();
 }
 

@@ -128,8 +128,8 @@ class BodyContactFinder {
     if (source_.uppers.empty() || !source_.has_upper[kUpperLeftShoulder] ||
         !source_.has_upper[kUpperRightShoulder])
       return true;
-    const double mean = 0.5 * (source_.upper(frame, kUpperLeftShoulder) +
-                               source_.upper(frame, kUpperRightShoulder));
+    const double mean = 0.5 * (source_.upper(frame, kUpperLeftShoulder).z() +
+                               source_.upper(frame, kUpperRightShoulder).z());
     return (mean - floor_) / scale_ <= (on ? kShouldersRest.end : kShouldersRest.begin);
   }
 

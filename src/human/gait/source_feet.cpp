@@ -39,13 +39,13 @@ Eigen::Vector3d lower_end(const Pose& world_from_sole, const SoleEnd& end) {
   return place;
 }
 
-// Height of a shoulder, or of the lower of both ends of the skull.
-double upper_height(const HumanPose& pose, Bone bone, double scale) {
+// Position of a shoulder, or of the lower of both ends of the skull.
+Eigen::Vector3d upper_place(const HumanPose& pose, Bone bone, double scale) {
   constexpr double kSkull = 0.1;  // From the joint of the head to the middle of the skull, metres.
   const Pose& joint = pose[bone];
-  const double height = joint.translation.z();
-  if (bone != Bone::kHead) return height;
-  return std::min(height, (joint * Eigen::Vector3d(kSkull * scale, 0.0, 0.0)).z());
+  if (bone != Bone::kHead) return joint.translation;
+  const Eigen::Vector3d top = joint * Eigen::Vector3d(kSkull * scale, 0.0, 0.0);
+  return top.z() < joint.translation.z() ? top : joint.translation;
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ void SourceFeet::add(const HumanPose& pose) {
   }
   for (const Bone bone : kSupportBones) supports.push_back(pose[bone].translation);
   const double scale = legs.back() / kUsualSourceLeg;
-  for (const Bone bone : kUpperBones) uppers.push_back(upper_height(pose, bone, scale));
+  for (const Bone bone : kUpperBones) uppers.push_back(upper_place(pose, bone, scale));
 }
 
 SourceFeet SourceFeet::before_pace(double pace) const {

@@ -48,9 +48,9 @@ struct SourceFeet {
   /// Positions of kSupportBones, frame-major; world, metres. Empty: unknown.
   std::vector<Eigen::Vector3d> supports;
   std::array<bool, kSupportBones.size()> has_support{};
-  /// Heights of kUpperBones, frame-major; world, metres. That of the head is the height of the
-  /// lower end of the skull. Empty: unknown.
-  std::vector<double> uppers;
+  /// Positions of kUpperBones, frame-major; world, metres. That of the head is the lower end of the
+  /// skull. Empty: unknown.
+  std::vector<Eigen::Vector3d> uppers;
   std::array<bool, kUpperBones.size()> has_upper{};
   std::array<std::optional<FootSole>, 2> soles;  ///< Known soles, one entry per foot.
 
@@ -95,7 +95,7 @@ struct SourceFeet {
     return supports[static_cast<std::size_t>(frame) * kSupportBones.size() + support];
   }
   /// @param upper  index into kUpperBones.
-  [[nodiscard]] double upper(int frame, std::size_t upper) const {
+  [[nodiscard]] const Eigen::Vector3d& upper(int frame, std::size_t upper) const {
     return uppers[static_cast<std::size_t>(frame) * kUpperBones.size() + upper];
   }
   /// Speed of the support at `support`, as that of a foot's end.

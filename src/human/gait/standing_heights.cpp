@@ -50,7 +50,7 @@ double floor_below_parts(const SourceFeet& source, int frame, double size) {
   }
   for (std::size_t i = 0; i < kUpperBones.size() && !source.uppers.empty(); ++i) {
     if (!source.has_upper[i]) continue;
-    others = std::min(others, source.upper(frame, i) - kSunkUppers[i] * size);
+    others = std::min(others, source.upper(frame, i).z() - kSunkUppers[i] * size);
   }
   if (others > hands + kAloft * size) hands -= kPalm * size;
   return std::min({hands, elbows, others});

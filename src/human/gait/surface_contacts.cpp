@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "human/gait/contact_plan.h"
 #include "human/gait/frame_runs.h"
@@ -23,10 +25,10 @@ constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative t
 constexpr double kSlideReach = 0.08, kSlideSpeed = 0.15;
 // Maximum movement of the nearest surface point before the contact position moves, metres.
 constexpr double kStickReach = 0.03;
-// The search for the ground below a foot starts this far above its heel and toe, metres.
-constexpr double kAboveFoot = 0.12;
-// Maximum depth of the heel and toe of a standing foot below the ground, metres.
-constexpr double kSunkFoot = 0.05;
+// The search for the ground below a joint, or the end of a foot, starts this far above it, metres.
+constexpr double kAboveJoint = 0.12;
+// Maximum depth below the ground of a joint, or the end of a foot, that rests on it, metres.
+constexpr double kSunkJoint = 0.05;
 // A surface of this height is not the floor, metres.
 constexpr double kRaised = 0.015;
 
@@ -50,8 +52,11 @@ class StickingPlace {
 class SurfaceContactFinder {
  public:
   SurfaceContactFinder(const SceneWorld& world, const SurfaceParts& parts, std::size_t part,
-                       std::size_t body, const ContactOptions& options, double frame_time)
+                       std::size_t body, const ContactPlan& contacts, const ContactOptions& options,
+                       double frame_time)
       : world_(world),
+        parts_(parts),
+        rests_(contacts.bodies_above_floor[part]),
         part_(part),
         body_(body),
         size_(parts.scale()),
@@ -69,7 +74,11 @@ class SurfaceContactFinder {
 
   void find(std::vector<SurfacePhase>& phases) const {
     std::vector<char> touches(distances_.size());
-    if (!take_stated(touches)) detect(touches);
+    if (!take_stated(touches)) {
+      detect(touches);
+      rest(touches);
+      bridge_gaps(touches);
+    }
     const auto in_contact = [&](int frame) {
       return touches[static_cast<std::size_t>(frame)] != 0;
     };
@@ -79,6 +88,8 @@ class SurfaceContactFinder {
   }
 
  private:
+  [[nodiscard]] int frame_count() const { return static_cast<int>(places_.size()); }
+
   // Takes the contacts that a file states. @return whether it states any.
   bool take_stated(std::vector<char>& touches) const {
     for (const StatedContact& stated : world_.clip.contacts) {
@@ -97,13 +108,26 @@ class SurfaceContactFinder {
            speed(static_cast<int>(frame)) <= (on ? kEndSpeed : kBeginSpeed) * size_;
       touches[frame] = on ? 1 : 0;
     }
-    bridge_gaps(touches);
+  }
+
+  // Adds the frames in which the part rests on the body as on a floor.
+  void rest(std::vector<char>& touches) const {
+    if (!world_.is_fixed(body_)) return;
+    for (const ContactPhase& phase : rests_) {
+      for (int frame = phase.begin; frame < std::min(phase.end, frame_count()); ++frame) {
+        Vector3d place = parts_.joint(frame, part_);
+        place.z() = phase.support;
+        if (body_under(world_, frame, place, size_) == static_cast<int>(body_)) {
+          touches[static_cast<std::size_t>(frame)] = 1;
+        }
+      }
+    }
   }
 
   // Speed of the nearest point over the surface and of the distance, m/s.
   [[nodiscard]] double speed(int frame) const {
     const int half = frames_in(1.0 / 30.0, frame_time_);
-    const int last = static_cast<int>(places_.size()) - 1;
+    const int last = frame_count() - 1;
     const auto from = static_cast<std::size_t>(std::max(0, frame - half));
     const auto to = static_cast<std::size_t>(std::min(last, frame + half));
     if (from == to) return 0.0;
@@ -147,20 +171,23 @@ class SurfaceContactFinder {
   }
 
   const SceneWorld& world_;
+  const SurfaceParts& parts_;
+  const std::vector<ContactPhase>& rests_;
   std::size_t part_, body_;
   double size_, shortest_, frame_time_;
   std::vector<double> distances_;  // One per frame.
   std::vector<Vector3d> places_;   // One per frame, in the frame of the body.
 };
 
-// Height of the ground under an end of a foot, metres.
+// Height of the ground under a joint or an end of a foot, metres.
 double ground_under(const SceneWorld& world, int frame, const Vector3d& point, double scale) {
-  const double ground = world.ground_below(frame, point + kAboveFoot * scale * Vector3d::UnitZ());
+  const double ground = world.ground_below(frame, point + kAboveJoint * scale * Vector3d::UnitZ());
   // A foot that passes through the edge of a step does not stand on it.
-  return point.z() > ground - kSunkFoot * scale ? ground : 0.0;
+  return point.z() > ground - kSunkJoint * scale ? ground : 0.0;
 }
 
-// The feet above the ground under them instead of above z = 0.
+// Feet and other parts above the ground under them instead of above z = 0. The hips keep their
+// heights, which show whether the body falls.
 SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale) {
   for (int frame = 0; frame < feet.frame_count(); ++frame) {
     const auto lower = [&](Vector3d& point) {
@@ -171,6 +198,11 @@ SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double sca
       lower(of_frame.ankle);
       lower(of_frame.toe);
       if (of_frame.heel) lower(*of_frame.heel);
+    }
+    for (auto* places : {&feet.supports, &feet.uppers}) {
+      const std::size_t count = places->size() / static_cast<std::size_t>(feet.frame_count());
+      const auto first = static_cast<std::size_t>(frame) * count;
+      std::ranges::for_each(std::span(*places).subspan(first, count), lower);
     }
   }
   return feet;
@@ -183,7 +215,7 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
     heights.clear();
     for (int frame = begin; frame < end; ++frame) {
       heights.push_back(world.ground_below(
-          frame, place_at(frame) + kAboveFoot * contacts.scale * Vector3d::UnitZ()));
+          frame, place_at(frame) + kAboveJoint * contacts.scale * Vector3d::UnitZ()));
     }
     return median_in_place(heights);
   };
@@ -204,10 +236,17 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
     }
   }
   for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
-    std::erase_if(contacts.bodies[part], [&](const ContactPhase& phase) {
-      return ground(phase.begin, phase.end, [&](int frame) { return feet.support(frame, part); }) >
-             kRaised;
-    });
+    const auto joint_at = [&](int frame) { return feet.support(frame, part); };
+    std::vector<ContactPhase> on_floor;
+    for (const ContactPhase& phase : contacts.bodies[part]) {
+      const double height = ground(phase.begin, phase.end, joint_at);
+      if (height > kRaised) {
+        contacts.bodies_above_floor[part].push_back({phase.begin, phase.end, height});
+      } else {
+        on_floor.push_back(phase);
+      }
+    }
+    contacts.bodies[part] = std::move(on_floor);
   }
 }
 
@@ -216,7 +255,6 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
 // @param contacts  result of find_contacts_on_ground.
 std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const SourceFeet& feet,
                                                   const ContactPlan& contacts) {
-  constexpr double kOnSurface = 0.05;  // Metres.
   const SourceContacts ends = contacts.of_ends();
   std::array<std::vector<int>, 4> bodies;
   for (std::size_t i = 0; i < ends.size(); ++i) {
@@ -225,23 +263,28 @@ std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const
       const int frame = (phase.begin + phase.end - 1) / 2;
       Vector3d place = feet.at(frame, foot).end(end);
       place.z() = phase.support;
-      // The floor is nearest unless a body is nearer.
-      double nearest = std::min(phase.support, kOnSurface * contacts.scale);
-      int under = -1;
-      for (std::size_t body = 0; body < world.body_count(); ++body) {
-        if (!world.is_fixed(body)) continue;
-        const double distance = std::abs(world.distance(frame, body, place).distance);
-        if (distance >= nearest) continue;
-        nearest = distance;
-        under = static_cast<int>(body);
-      }
-      bodies[i].push_back(under);
+      bodies[i].push_back(body_under(world, frame, place, contacts.scale));
     }
   }
   return bodies;
 }
 
 }  // namespace
+
+int body_under(const SceneWorld& world, int frame, const Vector3d& place, double scale) {
+  constexpr double kOnSurface = 0.05;  // Metres.
+  // The floor is nearest unless a body is nearer.
+  double nearest = std::min(place.z(), kOnSurface * scale);
+  int under = -1;
+  for (std::size_t body = 0; body < world.body_count(); ++body) {
+    if (!world.is_fixed(body)) continue;
+    const double distance = std::abs(world.distance(frame, body, place).distance);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    under = static_cast<int>(body);
+  }
+  return under;
+}
 
 SurfaceParts::SurfaceParts(const HumanClipInfo& human, double scale) : scale_(scale) {
   // Distances from the joint to the skin: half the thickness of a limb, and of the trunk.
@@ -294,12 +337,13 @@ SurfaceParts::Nearest SurfaceParts::nearest(const SceneWorld& world, int frame, 
 }
 
 std::vector<SurfacePhase> find_surface_contacts(const SceneWorld& world, const SurfaceParts& parts,
+                                                const ContactPlan& contacts,
                                                 const ContactOptions& options, double frame_time) {
   std::vector<SurfacePhase> phases;
   for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
     if (!parts.has(part)) continue;
     for (std::size_t body = 0; body < world.body_count(); ++body) {
-      SurfaceContactFinder(world, parts, part, body, options, frame_time).find(phases);
+      SurfaceContactFinder(world, parts, part, body, contacts, options, frame_time).find(phases);
     }
   }
   return phases;

@@ -29,6 +29,10 @@ class SurfaceParts {
   [[nodiscard]] int frame_count() const;
   [[nodiscard]] bool has(std::size_t part) const { return has_[part]; }
   [[nodiscard]] double scale() const { return scale_; }
+  /// World position of a part's joint, metres.
+  [[nodiscard]] const Eigen::Vector3d& joint(int frame, std::size_t part) const {
+    return positions_[static_cast<std::size_t>(frame) * per_frame_ + first_[part]];
+  }
   /// The distance between the part's surface and a body: negative where it overlaps.
   struct Nearest {
     double distance = 0.0;
@@ -62,18 +66,26 @@ struct SurfacePhase {
   std::vector<Eigen::Vector3d> places;
 };
 
-/// Finds when parts touch the bodies of a scene: they are near, and slow relative to the body, for
-/// at least ContactOptions::shortest.
+/// Finds when parts touch the bodies of a scene for at least ContactOptions::shortest: they are
+/// near, and slow relative to the body, or rest on it as on a floor.
+/// @param contacts  result of find_contacts_on_ground.
 [[nodiscard]] std::vector<SurfacePhase> find_surface_contacts(const SceneWorld& world,
                                                               const SurfaceParts& parts,
+                                                              const ContactPlan& contacts,
                                                               const ContactOptions& options,
                                                               double frame_time);
 
-/// Runs find_contacts() in a scene: feet stand on the ground under them, so a foot on a step stands
-/// like one on the floor, and its phases have the height of the step. Contacts of other parts with
-/// the floor are left out where something else is under them.
+/// Runs find_contacts() in a scene: feet stand, and other parts rest, on the ground under them. A
+/// foot on a step stands like one on the floor, and its phases have the height of the step.
+/// Contacts of other parts with raised ground are in ContactPlan::bodies_above_floor.
 [[nodiscard]] ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
                                                   const ContactOptions& options = {});
+
+/// The fixed body whose surface is nearest to a place on the ground; -1: the floor, or something
+/// that the scene does not have.
+/// @param scale  leg length / kUsualSourceLeg.
+[[nodiscard]] int body_under(const SceneWorld& world, int frame, const Eigen::Vector3d& place,
+                             double scale);
 
 /// Heights of the ground under the ends of feet, metres; 0: the floor, or an end inside a body.
 /// Frame-major, then by foot, then kHeelEnd and kToeEnd.

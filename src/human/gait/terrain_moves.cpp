@@ -133,18 +133,26 @@ class PlaceMover {
              double object_scale)
       : before_(before), after_(after), static_scale_(static_scale), object_scale_(object_scale) {}
 
-  // @param place  position in the world before the change.
-  [[nodiscard]] Vector3d on_static(const Vector3d& place) const {
-    return (static_scale_ - Vector3d::Ones()).cwiseProduct(place);
-  }
   // @param in_body  position in the frame of the body before the change.
   [[nodiscard]] Vector3d on_body(int frame, std::size_t body, const Vector3d& in_body) const {
     const Vector3d place = before_.clip.pose(frame, body) * in_body;
     if (!before_.moves(body)) return on_static(place);
     return after_.pose(frame, body) * (object_scale_ * in_body) - place;
   }
+  // @param place  position on the ground in the world before the change.
+  // @param scale  leg length / kUsualSourceLeg.
+  [[nodiscard]] Vector3d on_ground(int frame, const Vector3d& place, double scale) const {
+    const int under = body_under(before_, frame, place, scale);
+    if (under < 0) return on_static(place);
+    const auto body = static_cast<std::size_t>(under);
+    return on_body(frame, body, before_.clip.pose(frame, body).inverse() * place);
+  }
 
  private:
+  [[nodiscard]] Vector3d on_static(const Vector3d& place) const {
+    return (static_scale_ - Vector3d::Ones()).cwiseProduct(place);
+  }
+
   const SceneWorld& before_;
   const SceneClip& after_;
   Vector3d static_scale_;
@@ -217,7 +225,7 @@ ContactMoves moves_with_scene(const SceneWorld& before, const SceneClip& after,
       place.z() = before.ground_below(middle, place + Vector3d(0.0, 0.0, 0.12 * contacts.scale));
       ContactMove move{frames.begin, frames.end, Quaterniond::Identity(), {}};
       move.offsets.assign(static_cast<std::size_t>(frames.end - frames.begin),
-                          mover.on_static(place));
+                          mover.on_ground(middle, place, contacts.scale));
       moves.feet[static_cast<std::size_t>(foot)].push_back(std::move(move));
     }
   }

@@ -121,7 +121,7 @@ class SceneMeter {
   void collect_contacts() {
     SurfaceParts parts(source_.human, source_.contacts.scale);
     for (int frame = 0; frame < frames_; ++frame) parts.add(source_.human.frame(frame));
-    phases_ = find_surface_contacts(source_.world, parts, {},
+    phases_ = find_surface_contacts(source_.world, parts, source_.contacts, {},
                                     draft_.clip.rate().frame_time() / source_.pace);
     const auto count = static_cast<std::size_t>(frames_);
     human_touches_.assign(supports_.size() * world_.body_count(), std::vector<char>(count, 0));

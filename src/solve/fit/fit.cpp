@@ -297,7 +297,7 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
     parts.add(bones);
   }
   const std::vector<SurfacePhase> phases =
-      find_surface_contacts(world, parts, options, clip_.frame_time / run_.pace);
+      find_surface_contacts(world, parts, result.contacts, options, clip_.frame_time / run_.pace);
   auto scene = std::make_shared<FitScene>(
       make_fit_scene(model_, world, parts, phases, scale, clip_.frame_time, clip_.targets));
   SolvedScene& solved = result.scene.emplace();
@@ -360,7 +360,7 @@ Result<FitResult> Fit::run() {
     plan_feet(feet_, result.contacts, contact_options(options_), source_feet, scale, ground,
               clip_.feet);
     plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
-    ease_contacts(feet_, source_feet, scale, clip_.feet);
+    ease_contacts(feet_, source_feet, scale, clip_.scene.get(), clip_.feet);
     note_floor(result.contacts.standing, report);
     if (run_.scene == nullptr) {
       note_raised_feet(clip_, report);

@@ -376,7 +376,7 @@ bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene
 }
 
 SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
-                           int frame, const TreeState& pose, std::span<const char> planted,
+                           int frame, const TreeState& pose, std::span<const char> stands,
                            std::span<Composite> composites) {
   SceneCosts costs;
   for (const SceneGoal& goal : scene.goals_of(frame)) {
@@ -386,9 +386,9 @@ SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, con
   for (std::size_t link = 0; link < scene.points.size(); ++link) {
     if (scene.points[link].empty()) continue;
     const bool is_foot = model.is_foot[link] != 0;
-    // The shapes of a foot in the air need not penetrate anything.
-    const bool stands = is_foot && planted[at(model.foot_of_link[link])] != 0;
-    const double margin = stands ? -kFootShapeDepth : is_foot ? 0.0 : options.scene_margin;
+    // The shapes of a foot in the air, or of one that lies, need not penetrate anything.
+    const bool on_sole = is_foot && stands[at(model.foot_of_link[link])] != 0;
+    const double margin = on_sole ? -kFootShapeDepth : is_foot ? 0.0 : options.scene_margin;
     const double weight = square(options.body_floor_weight);
     const Pose& world_from_link = pose.world_from_link[link];
     const BoundingSphere& sphere = scene.spheres[link];

@@ -82,10 +82,10 @@ struct SceneCosts {
 };
 
 /// Adds a frame's scene terms: contacts touch their surfaces, and no link penetrates a body.
-/// @param planted     one per foot: whether an end of it is in contact.
+/// @param stands      one per foot: whether an end of it is in contact, and it does not lie.
 /// @param composites  one per link; the terms' Hessians and gradients are added to them.
 SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
-                           int frame, const TreeState& pose, std::span<const char> planted,
+                           int frame, const TreeState& pose, std::span<const char> stands,
                            std::span<Composite> composites);
 
 }  // namespace retarget

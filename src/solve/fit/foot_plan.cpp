@@ -142,8 +142,13 @@ class SupportPlanner {
   double floor_, size_, scale_;
 };
 
-// Whether a knee, elbow, hand, the seat or the back is held during this phase.
-bool has_other_support(const FootPlan& plan, const PlantedPhase& phase) {
+// Whether a knee, elbow, hand, the seat or the back is held during this phase, on the floor or on a
+// body of a scene at rest.
+bool has_other_support(const FootPlan& plan, const FitScene* scene, const PlantedPhase& phase) {
+  for (int frame = phase.begin; scene != nullptr && frame < phase.end; ++frame) {
+    const auto rests = [&](const SceneGoal& goal) { return scene->world.is_fixed(at(goal.body)); };
+    if (std::ranges::any_of(scene->goals_of(frame), rests)) return true;
+  }
   const auto count = at(plan.support_count);
   const auto goals = std::span(plan.supports)
                          .subspan(at(phase.begin) * count, at(phase.end - phase.begin) * count);
@@ -294,10 +299,10 @@ void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
 // its acceleration and the force on the anchor grow with the frame rate. The hold therefore fades
 // within 1/30 s, the frame time for which the weights are tuned. The anchor moves with the source
 // there, so that the foot does not lag. The force that remains grows with the rate, and so does the
-// squared weight in the contact. Where other parts rest on the floor, it stays: while a body gets
-// up, stiffer feet would push them into the floor.
+// squared weight in the contact. Where other parts carry the body, it stays: while a body gets up,
+// stiffer feet would push them into the floor.
 void ease_contacts(const SourceFeet& source, std::span<const int> source_feet, double scale,
-                   FootPlan& plan) {
+                   const FitScene* scene, FootPlan& plan) {
   constexpr double kFadeTime = 1.0 / 30.0;  // Seconds.
   constexpr double kFading = 4.6;           // Leaves a hundredth of the hold after kFadeTime.
   constexpr double kSameRate = 1e-3;        // 30.003 frames per second count as 30.
@@ -308,7 +313,7 @@ void ease_contacts(const SourceFeet& source, std::span<const int> source_feet, d
     PlantedPhase& phase = plan.phases[i];
     if (phase.support >= 0) continue;
     const int first = phase.begin, last = phase.end, side = source_feet[at(phase.foot)];
-    const double hold = has_other_support(plan, phase) ? 1.0 : std::sqrt(frames_per_fade);
+    const double hold = has_other_support(plan, scene, phase) ? 1.0 : std::sqrt(frames_per_fade);
     const auto goal_of = [&](int frame) -> FootEndGoal& {
       return plan.ends[at(2 * (frame * plan.foot_count + phase.foot) + phase.foot_end)];
     };

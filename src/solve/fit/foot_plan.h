@@ -100,7 +100,8 @@ void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
 /// Adapts the holds of foot ends to frames shorter than 1/30 s; see docs/fit.md. Call it after
 /// plan_supports().
 /// @param source_feet, scale  see plan_feet().
+/// @param scene  may be null.
 void ease_contacts(const SourceFeet& source, std::span<const int> source_feet, double scale,
-                   FootPlan& plan);
+                   const FitScene* scene, FootPlan& plan);
 
 }  // namespace retarget

@@ -90,7 +90,7 @@ FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
       composites_(model.tree.links().size()),
       tree_hessian_(at(model.tree.row_begin().back())),
       row_(at(model.dof_count()), 0.0),
-      planted_(model.feet.size()),
+      stands_(model.feet.size()),
       near_pairs_(model) {
   row_dofs_.reserve(row_.size());
 }
@@ -347,9 +347,11 @@ void FrameTerms::add_terms(const TreeState& pose, const FrameGoals& goals, TermC
   if (options_.contact) add_supports(pose, goals, costs);
   if (options_.floor) add_floor(pose, goals, costs);
   if (goals.scene != nullptr) {
-    for (std::size_t f = 0; f < planted_.size(); ++f) planted_[f] = in_contact(goals, f) ? 1 : 0;
+    for (std::size_t f = 0; f < stands_.size(); ++f) {
+      stands_[f] = in_contact(goals, f) && lying_share(goals, f) <= 0.0 ? 1 : 0;
+    }
     const SceneCosts added =
-        add_scene_terms(model_, options_, *goals.scene, goals.frame, pose, planted_, composites_);
+        add_scene_terms(model_, options_, *goals.scene, goals.frame, pose, stands_, composites_);
     costs[kTermSceneContact] += added.contact;
     costs[kTermScene] += added.penetration;
   }

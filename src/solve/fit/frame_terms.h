@@ -167,7 +167,7 @@ class FrameTerms {
   std::vector<Composite> composites_;  // One per link.
   std::vector<double> tree_hessian_;   // Laid out as in assemble().
   std::vector<double> row_;
-  std::vector<char> planted_;  // One per foot: whether an end of it is in contact.
+  std::vector<char> stands_;  // One per foot: whether it is in contact and does not lie.
   std::vector<int> row_dofs_;
   NearPairs near_pairs_;
   FootOverlap foot_overlap_;
