@@ -187,8 +187,28 @@ TEST(Rokoko, SelectsOneOfSeveralActors) {
   ASSERT_TRUE(decoder->take(packet_of({ann, bob}, 1.0).dump(), kept));
   ASSERT_TRUE(decoder->take(packet_of({bob, ann}, 2.0).dump(), kept));
   EXPECT_EQ(kept.skeletons.size(), 1U);
+}
+
+// Studio loses people for moments; the robot must not run to another person.
+TEST(Rokoko, FollowsAnotherActorOnlyAfterAWhile) {
+  const Json ann = actor_of("Ann", actor_pose()), bob = actor_of("Bob", left_arm_down());
+  const auto decoder = decoder_at("udp:1");
+  KeptStream kept;
+  ASSERT_TRUE(decoder->take(packet_of({ann, bob}, 1.0).dump(), kept));
+  const auto lost = decoder->take(packet_of({bob}, 1.01).dump(), kept);
+  ASSERT_FALSE(lost);
+  EXPECT_THAT(lost.error().message, HasSubstr("Ann"));
+  ASSERT_TRUE(decoder->take(packet_of({bob, ann}, 1.02).dump(), kept));
+  EXPECT_EQ(kept.skeletons.size(), 1U);
+  EXPECT_EQ(kept.frames.size(), 2U);
+  for (int packet = 0; packet < 100; ++packet) {
+    EXPECT_FALSE(decoder->take(packet_of({bob}, 1.03 + 0.01 * packet).dump(), kept));
+  }
   ASSERT_TRUE(decoder->take(packet_of({bob}, 3.0).dump(), kept));
   EXPECT_EQ(kept.skeletons.size(), 2U);
+  // Another sender may have other actors.
+  decoder->restart();
+  EXPECT_TRUE(decoder->take(packet_of({ann}, 4.0).dump(), kept));
 }
 
 TEST(Rokoko, ReadsVersionTwo) {

@@ -49,6 +49,21 @@ Result<std::vector<std::string>> files_written(const ServeOptions& options) {
   return files;
 }
 
+// A run that receives its own output would take itself for the sender.
+Result<void> check_own_input(const ServeOptions& options) {
+  if (!options.replay.empty()) return {};
+  RETARGET_TRY_ASSIGN(const StreamAddress from, parse_address(options.input));
+  if (from.transport != Transport::kUdp || from.port == 0) return {};
+  for (const std::string& place : options.outputs) {
+    RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(place));
+    if (to.transport != Transport::kUdp || to.port != from.port || !is_this_machine(to)) continue;
+    if (from.host != to.host && from.host != "0.0.0.0") continue;
+    return usage_failure("the output \"" + place + "\" is also the input of this run",
+                         "send to another port");
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string recorded_file(const std::string& folder, const std::string& name) {
@@ -56,6 +71,7 @@ std::string recorded_file(const std::string& folder, const std::string& name) {
 }
 
 Result<void> check_live_files(const ServeOptions& options, const RobotSetup& robot) {
+  RETARGET_TRY(check_own_input(options));
   RETARGET_TRY_ASSIGN(const auto read, files_read(options, robot));
   RETARGET_TRY_ASSIGN(auto written, files_written(options));
   return check_written(written, read);

@@ -162,7 +162,7 @@ class RokokoDecoder final : public Decoder {
 
  private:
   Result<void> take_text(std::string_view text, StreamSink& sink);
-  [[nodiscard]] Result<RokokoActor> find_actor(const PacketJson& actors) const;
+  [[nodiscard]] Result<RokokoActor> find_actor(const PacketJson& actors);
   Result<void> learn_skeleton(const RokokoActor& actor, StreamSink& sink);
   Result<void> read_bones(const PacketJson& body);
 
@@ -171,6 +171,7 @@ class RokokoDecoder final : public Decoder {
   JsonCutter cutter_;
 
   std::optional<std::string> actor_;  // Actor of the skeleton; nothing: no skeleton yet.
+  int missed_ = 0;                    // Consecutive packets without this actor.
   std::vector<std::size_t> bones_;    // Bones of the skeleton, by joint.
   std::vector<Pose> world_from_joint_;
   StreamSkeleton skeleton_;
@@ -179,6 +180,7 @@ class RokokoDecoder final : public Decoder {
 void RokokoDecoder::restart() {
   cutter_.clear();
   actor_.reset();
+  missed_ = 0;
 }
 
 Result<void> RokokoDecoder::take(std::string_view bytes, StreamSink& sink) {
@@ -223,8 +225,11 @@ Result<void> RokokoDecoder::take_text(std::string_view text, StreamSink& sink) {
 }
 
 // Selects the requested actor; otherwise the actor of the current skeleton; otherwise the first one
-// with a body, since others may have only gloves or a face.
-Result<RokokoActor> RokokoDecoder::find_actor(const PacketJson& actors) const {
+// with a body, since others may have only gloves or a face. Rejects packets without the actor of the
+// current skeleton before it follows another one, because Studio loses people for moments, and the
+// robot would run to another person.
+Result<RokokoActor> RokokoDecoder::find_actor(const PacketJson& actors) {
+  constexpr int kPatience = 100;  // Packets: one second at Studio's usual rate.
   if (!actors.is_array() || actors.size() > kMostActors)
     return bad_packet("expected \"actors\", in a \"scene\" or without one");
   std::optional<RokokoActor> found;
@@ -239,10 +244,20 @@ Result<RokokoActor> RokokoDecoder::find_actor(const PacketJson& actors) const {
       continue;
     }
     const RokokoActor actor = {names.back(), &body, height_of(member(json, "dimensions"))};
-    if (wanted_.empty() ? actor_ == actor.name : wanted_ == actor.name) return actor;
+    if (wanted_.empty() ? actor_ == actor.name : wanted_ == actor.name) {
+      missed_ = 0;
+      return actor;
+    }
     if (!found) found = actor;
   }
-  if (found && wanted_.empty()) return *found;
+  if (found && wanted_.empty() && actor_ && ++missed_ <= kPatience) {
+    return bad_packet(fmt::format("no actor \"{}\", whom the robot follows; found {}", *actor_,
+                                  list_names(names)));
+  }
+  if (found && wanted_.empty()) {
+    missed_ = 0;
+    return *found;
+  }
   if (wanted_.empty()) return bad_packet("no actor has a body");
   return bad_packet(names.empty() ? fmt::format("no actor \"{}\": there are no actors", wanted_)
                                   : fmt::format("no actor \"{}\" with a body; found {}", wanted_,
