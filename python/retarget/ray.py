@@ -105,6 +105,10 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
     folder = Path(os.path.abspath(out))
     robot = os.fspath(robot)
     clips = find_clips(inputs, storage_options)
+    for clip in clips:
+        if pack is not None and clip.name.startswith(f"{pack}/"):
+            raise UsageError(f'pack: the motion of "{clip.name}" would lie in the folder of the '
+                             "pack; rename the clip's folder")
     request = Request(str(folder), robot, options, fingerprint(robot, options),
                       dict(storage_options or {}))
     with locked(folder):
@@ -116,7 +120,7 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
             _run(ray, progress, tasks, tasks_in_flight)
         passed = progress.write_lists()
         if pack is not None:
-            pack_passed(folder, robot, pack, pack_options or {})
+            pack_passed(folder, robot, pack, pack_options or {}, options)
     counts = progress.counts
     return DataSet(folder, len(clips), counts["done"], counts["failed"], counts["kept"], passed)
 

@@ -136,3 +136,12 @@ def test_groups_of_near_duplicates_are_capped(data: Path, tmp_path: Path) -> Non
     (tmp_path / "manifest.jsonl").write_text(line(1))
     page = write_page(tmp_path, tmp_path / "page.html").read_text()
     assert "Near duplicates: unknown" in page
+
+
+def test_a_page_replaces_only_a_page(tmp_path: Path) -> None:
+    (tmp_path / "manifest.jsonl").write_text(line(1))
+    with pytest.raises(retarget.UsageError, match="no HTML page"):
+        write_page(tmp_path, tmp_path / "manifest.jsonl")
+    assert (tmp_path / "manifest.jsonl").read_text() == line(1)
+    write_page(tmp_path, tmp_path / "page.html")
+    write_page(tmp_path, tmp_path / "page.html")

@@ -78,8 +78,24 @@ def test_an_existing_folder_is_replaced_only_on_request(kind: str, clips: Clips,
     with pytest.raises(retarget.UsageError, match="exists"):
         write(clips, tmp_path / "set")
     assert (tmp_path / "set/mine.txt").read_text() == "mine"
+    with pytest.raises(retarget.UsageError, match="mine.txt"):
+        write(clips, tmp_path / "set", replace=True)
+    assert (tmp_path / "set/mine.txt").read_text() == "mine"
+    (tmp_path / "set/mine.txt").unlink()
     write(clips, tmp_path / "set", replace=True)
-    assert not (tmp_path / "set/mine.txt").exists()
+    earlier = hashes(tmp_path / "set")
+    write(clips, tmp_path / "set", replace=True)
+    assert hashes(tmp_path / "set") == earlier
+
+
+def test_a_pack_replaces_no_batch(data: Path, tmp_path: Path) -> None:
+    out = batch_of_wave(data, tmp_path)
+    found = packs.clips_of(out)
+    before = hashes(tmp_path)
+    for folder in (out, tmp_path):
+        with pytest.raises(retarget.UsageError, match="not of a pack"):
+            packs.write_webdataset(found, folder, replace=True)
+    assert hashes(tmp_path) == before
 
 
 @pytest.mark.parametrize("kind", ["lerobot", "motion_v1", "webdataset"])

@@ -292,6 +292,27 @@ def test_tars_become_packs(clips: Path, batch: Path, undisturbed: dict[str, byte
     assert len(list((tmp_path / "out/webdataset").glob("*.tar"))) == 3
 
 
+def test_packs_read_csvs_in_the_units_of_the_call(data: Path, tmp_path: Path) -> None:
+    import pyarrow.parquet as parquet
+
+    clip = data / "wave.bvh"
+    states = []
+    for out, units in (("a", {}), ("b", {"csv_quat": "wxyz", "csv_degrees": True})):
+        run([clip], tmp_path / out, method="gmr", quality=False, pack="lerobot", **units)
+        table = parquet.read_table(next((tmp_path / out / "lerobot/data").rglob("*.parquet")))
+        states.append(table["observation.state"].to_pylist())
+    assert len(states[0]) == len(states[1])
+    for one, other in zip(*states):
+        assert one == pytest.approx(other, abs=1e-5)
+
+
+def test_no_clip_lies_in_the_folder_of_its_pack(data: Path, tmp_path: Path) -> None:
+    (tmp_path / "in/lerobot").mkdir(parents=True)
+    (tmp_path / "in/lerobot/wave.bvh").write_bytes((data / "wave.bvh").read_bytes())
+    with pytest.raises(retarget.UsageError, match="folder of the pack"):
+        run(tmp_path / "in", tmp_path / "out", pack="lerobot")
+
+
 def test_errors(clips: Path, tmp_path: Path) -> None:
     with pytest.raises(retarget.UsageError, match="jobs is not an option"):
         run(clips, tmp_path / "out", jobs=2)

@@ -11,7 +11,7 @@ from typing import Any
 from retarget import packs
 from retarget._errors import UsageError
 from retarget.data_set.manifest import FOLDER, read_manifest
-from retarget.packs._clips import BatchClips
+from retarget.packs._clips import BatchClips, units_of_keywords
 from retarget.packs._parts import new_file
 
 _WRITERS: dict[str, Callable[..., object]] = {
@@ -19,13 +19,15 @@ _WRITERS: dict[str, Callable[..., object]] = {
     "webdataset": packs.write_webdataset}
 
 
-def pack_passed(folder: Path, robot: str, kind: str, options: Mapping[str, Any]) -> Path:
+def pack_passed(folder: Path, robot: str, kind: str, options: Mapping[str, Any],
+                batch: Mapping[str, Any] | None = None) -> Path:
     """Writes the motions of passed.txt to the folder FOLDER/KIND, unless it has the same ones.
 
     Args:
         folder: output folder of a data set.
         kind: "lerobot", "motion_v1" or "webdataset".
         options: keyword arguments of the writer, and `ending` of packs.clips_of().
+        batch: keyword arguments of the runs that wrote the motions; they state the units of CSVs.
 
     Returns:
         The folder of the pack.
@@ -37,6 +39,9 @@ def pack_passed(folder: Path, robot: str, kind: str, options: Mapping[str, Any])
         raise UsageError(f"pack: expected one of {', '.join(_WRITERS)}, found {kind!r}")
     options = dict(options)
     clips = packs.clips_of(folder, options.pop("ending", None))
+    if units := units_of_keywords(batch or {}):
+        clips.csv_units = {name: units for name, file in clips.items()
+                           if file.suffix.lower() == ".csv"}
     contents = _contents(folder, kind, options, clips)
     record = folder / FOLDER / f"{kind}.json"
     target = folder / kind
@@ -64,4 +69,6 @@ def _contents(folder: Path, kind: str, options: Mapping[str, Any],
                                 "files": digest.hexdigest()}
     if clips.csv_rates:
         contents["csv_rates"] = sorted(set(clips.csv_rates.values()))
+    if clips.csv_units:
+        contents["csv_units"] = sorted(next(iter(clips.csv_units.values())).items())
     return json.dumps(contents, default=str)

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from retarget import _retarget
+from retarget._errors import UsageError
 from retarget.data_set.duplicates import find_groups
 from retarget.data_set.results import Result, read_results
 from retarget.packs._parts import new_file
@@ -34,6 +35,13 @@ svg rect { fill: #3a7ca5; }
 """
 
 
+def _is_other_file(file: Path) -> bool:
+    if not file.is_file():
+        return file.exists()
+    with file.open("rb") as existing:
+        return not existing.read(15).lower().startswith(b"<!doctype html")
+
+
 def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str], *,
                near_duplicates: bool = True) -> Path:
     """Writes statistics of a data set as one HTML file without scripts, below 1 MB.
@@ -44,7 +52,7 @@ def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str], *,
 
     Args:
         folder: output folder of `retarget batch` or retarget_dataset().
-        file: the page; an existing file is replaced.
+        file: the page; an existing page is replaced.
         near_duplicates: search for clips that show the same motion (find_groups()).
 
     Returns:
@@ -52,8 +60,11 @@ def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str], *,
 
     Raises:
         InputError: the folder has no manifest.
+        UsageError: the file exists and is no HTML page.
         ConfigError: the manifest is Parquet, and pyarrow is not installed.
     """
+    if _is_other_file(Path(file)):
+        raise UsageError(f'"{file}" exists and is no HTML page')
     results = read_results(Path(folder))
     title = f"Data set {Path(folder).resolve().name}"
     text = "\n".join([

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import numpy as np
 
@@ -154,6 +155,18 @@ def _units_of(options: dict[str, str]) -> dict[str, str]:
     if (order := options.get("csv-quat")) and options.get("csv-header") != "true":
         units["source_quat"] = order
     return units
+
+
+def units_of_keywords(keywords: Mapping[str, Any]) -> dict[str, str]:
+    """Returns the options of load_motion() for CSVs that a batch with these keywords writes."""
+    def text(value: Any) -> str:
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        return value if isinstance(value, str) else ",".join(value)
+
+    names = ("format", "csv_degrees", "csv_centimetres", "csv_quat", "csv_header")
+    return _units_of({name.replace("_", "-"): text(keywords[name]) for name in names
+                      if keywords.get(name) is not None})
 
 
 def _entries(folder: Path) -> Iterator[_Entry]:

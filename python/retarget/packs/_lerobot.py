@@ -79,7 +79,7 @@ def write_lerobot(clips: Clips, folder: StrPath, *,
         max_bytes: largest size of a data file before compression, in bytes; a larger clip has its
             own file.
         max_clips: largest number of clips in a data file.
-        replace: replace an existing folder.
+        replace: replace an earlier pack or an empty folder.
 
     Returns:
         The folder.

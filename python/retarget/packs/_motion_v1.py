@@ -50,7 +50,7 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
         robot_name: value of `robot_name`; None: the robot's name.
         source_dataset: value of `source_dataset`.
         max_clips: largest number of clips in a part.
-        replace: replace an existing folder.
+        replace: replace an earlier pack or an empty folder.
 
     Returns:
         The folders of the parts, in order.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,11 @@ from retarget._errors import Error, RunError, UsageError
 
 Item = TypeVar("Item")
 UNFINISHED = ".unfinished"
+_FILES_OF_PACKS = re.compile(
+    r"meta/(info|stats)\.json|meta/tasks\.parquet"
+    r"|(data|meta/episodes)/chunk-\d+/file-\d+\.parquet"
+    r"|part-\d+/sequence_id=[^/]+/robot_name=[^/]+/data\.parquet"
+    r"|shard-\d+\.tar")
 
 
 @contextmanager
@@ -23,15 +29,17 @@ def new_folder(folder: str | os.PathLike[str], replace: bool) -> Iterator[Path]:
     the hidden folder of a killed process.
 
     Args:
-        replace: replace an existing folder; otherwise it is an error.
+        replace: replace an earlier pack or an empty folder; otherwise the folder is an error.
 
     Raises:
-        UsageError: the folder exists.
+        UsageError: the folder exists, or has a file that is not of a pack.
         RunError: it cannot be made or moved.
     """
     target = Path(os.path.abspath(folder))
     if target.exists() and not (replace and target.is_dir()):
-        raise UsageError(f'"{target}" exists; replace=True replaces a folder')
+        raise UsageError(f'"{target}" exists; replace=True replaces a pack')
+    if (foreign := _foreign_file(target)) is not None:
+        raise UsageError(f'"{target}" is not replaced: "{foreign}" in it is not of a pack')
     unfinished = target.with_name(f".{target.name}{UNFINISHED}")
     earlier = target.with_name(f".{target.name}.replaced")
     try:
@@ -49,6 +57,19 @@ def new_folder(folder: str | os.PathLike[str], replace: bool) -> Iterator[Path]:
         raise RunError(f"{target}: {error.strerror or error}", file=str(target)) from error
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _foreign_file(folder: Path) -> str | None:
+    """Returns the path of a file that no writer of packs makes, relative to the folder."""
+    if folder.is_symlink():
+        return "."
+    for parent, folders, files in os.walk(folder):
+        links = [name for name in folders if os.path.islink(os.path.join(parent, name))]
+        for name in sorted(files + links):
+            path = Path(parent, name).relative_to(folder).as_posix()
+            if not _FILES_OF_PACKS.fullmatch(path):
+                return path
+    return None
 
 
 @contextmanager

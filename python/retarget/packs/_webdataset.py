@@ -52,7 +52,7 @@ def write_webdataset(clips: Clips, folder: StrPath, *, format: str = "npz-mjlab"
         info: further members of a clip's JSON, by its name.
         max_bytes: largest size of a shard in bytes; a larger clip has its own shard.
         max_clips: largest number of clips in a shard.
-        replace: replace an existing folder.
+        replace: replace an earlier pack or an empty folder.
 
     Returns:
         The shards, in order.
