@@ -19,7 +19,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--ending", help="end of the files to take, such as .mjlab.npz")
     parser.add_argument("--max-bytes", type=int, help="largest size of a part; not for motion_v1")
     parser.add_argument("--max-clips", type=int, help="largest number of clips in a part")
-    parser.add_argument("--replace", action="store_true", help="replace an existing folder")
+    parser.add_argument("--replace", action="store_true", help="replace an earlier pack")
     given = {name: value for name, value in vars(parser.parse_args(arguments)).items()
              if value is not None}
     write = getattr(packs, f"write_{given.pop('kind')}")
