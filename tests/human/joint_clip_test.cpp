@@ -328,9 +328,11 @@ TEST(JointClipTest, AddsATrunkToKeypoints) {
 
 // The toe of MediaPipe is called `foot_index`, that of OpenPose and Halpe `big_toe`.
 TEST(JointTreeTest, KeypointsOfVideoHaveToes) {
+  int orders = 0;
   for (const JointOrder& order : joint_orders()) {
     const std::vector<std::string> names = order.names();
     if (std::ranges::find(names, "left_heel") == names.end()) continue;
+    ++orders;
     JointMotion motion;
     motion.frame_count = 1;
     motion.joint_count = static_cast<int>(names.size());
@@ -347,6 +349,7 @@ TEST(JointTreeTest, KeypointsOfVideoHaveToes) {
     const auto heel = std::ranges::find(names, "left_heel") - names.begin();
     EXPECT_EQ(tree->parents[heel], tree->joint_of_bone[Bone::kLeftLeg]) << order.name;
   }
+  EXPECT_EQ(orders, 3);
 }
 
 TEST(JointTreeTest, KnownJointOrdersFormBodies) {

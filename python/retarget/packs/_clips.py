@@ -162,7 +162,7 @@ def units_of_keywords(keywords: Mapping[str, Any]) -> dict[str, str]:
     def text(value: Any) -> str:
         if isinstance(value, bool):
             return "true" if value else "false"
-        return value if isinstance(value, str) else ",".join(value)
+        return ",".join(value) if isinstance(value, (list, tuple)) else str(value)
 
     names = ("format", "csv_degrees", "csv_centimetres", "csv_quat", "csv_header")
     return _units_of({name.replace("_", "-"): text(keywords[name]) for name in names

@@ -8,7 +8,7 @@ std::vector<double> without_slope(std::vector<double> heights,
                                   const std::vector<Eigen::Vector3d>& places, int up) {
   using Eigen::Vector2d;
   constexpr double kSteepest = 0.36397;  // Tangent of 20 degrees.
-  // A body that stays within a tenth of its leg has no slope.
+  // Damping: where a body stays within a tenth of its leg, a slope counts half.
   constexpr double kStays = 0.01;
   if (heights.empty() || heights.size() != places.size()) return heights;
   const auto horizontal = [&](const Eigen::Vector3d& place) {

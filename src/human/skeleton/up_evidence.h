@@ -82,8 +82,8 @@ struct FloorEvidence {
 [[nodiscard]] bool climbs_along(const FloorEvidence& axis, const FloorEvidence& other);
 
 /// Whether the body clearly stands along the first axis, and does not lie, crawl or hang along the
-/// other one: it stands on a floor at height 0, or its lowest joint would climb along the other
-/// axis.
+/// other one: it stands on a floor at height 0 or on a slope, or its lowest joint would climb along the
+/// other axis.
 [[nodiscard]] bool clearly_stands(const FloorEvidence& standing, const FloorEvidence& other);
 
 }  // namespace retarget

@@ -1,6 +1,7 @@
 #include "live/stream/live_files.h"
 
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -49,6 +50,8 @@ Result<std::vector<std::string>> files_written(const ServeOptions& options) {
   return files;
 }
 
+constexpr std::string_view kAnyHost = "0.0.0.0";
+
 // A run that receives its own output would take itself for the sender.
 Result<void> check_own_input(const ServeOptions& options) {
   if (!options.replay.empty()) return {};
@@ -56,8 +59,12 @@ Result<void> check_own_input(const ServeOptions& options) {
   if (from.transport != Transport::kUdp || from.port == 0) return {};
   for (const std::string& place : options.outputs) {
     RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(place));
-    if (to.transport != Transport::kUdp || to.port != from.port || !is_this_machine(to)) continue;
-    if (from.host != to.host && from.host != "0.0.0.0") continue;
+    if (to.transport != Transport::kUdp || to.port != from.port) continue;
+    // Datagrams to 0.0.0.0 go to the loopback address.
+    const bool is_local = is_this_machine(to) || to.host == kAnyHost;
+    if (!is_local || (from.host != to.host && from.host != kAnyHost && to.host != kAnyHost)) {
+      continue;
+    }
     return usage_failure("the output \"" + place + "\" is also the input of this run",
                          "send to another port");
   }

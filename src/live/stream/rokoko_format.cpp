@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -250,7 +251,8 @@ Result<RokokoActor> RokokoDecoder::find_actor(const PacketJson& actors) {
     }
     if (!found) found = actor;
   }
-  if (found && wanted_.empty() && actor_ && ++missed_ <= kPatience) {
+  if (actor_) missed_ = std::min(missed_ + 1, kPatience + 1);
+  if (found && wanted_.empty() && actor_ && missed_ <= kPatience) {
     return bad_packet(fmt::format("no actor \"{}\", whom the robot follows; found {}", *actor_,
                                   list_names(names)));
   }
