@@ -66,7 +66,7 @@ struct EndContacts {
   std::vector<char> level;
 };
 
-/// Contacts of each of kSupportBones with surfaces below them.
+/// For each of kSupportBones, its contacts with the surface below it.
 using BodyContacts = std::array<std::vector<ContactPhase>, kSupportBones.size()>;
 
 /// Foot contacts of a human, separately for heel and toe. Feet: 0 left, 1 right.

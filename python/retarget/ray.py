@@ -105,10 +105,10 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
     folder = Path(os.path.abspath(out))
     robot = os.fspath(robot)
     clips = find_clips(inputs, storage_options)
-    for clip in clips:
-        if pack is not None and clip.name.startswith(f"{pack}/"):
-            raise UsageError(f'pack: the motion of "{clip.name}" would lie in the folder of the '
-                             "pack; rename the clip's folder")
+    inside = [clip.name for clip in clips if pack is not None and clip.name.startswith(f"{pack}/")]
+    if inside:
+        raise UsageError(f'pack: the motion of "{inside[0]}" would lie in the folder of the pack; '
+                         "rename the clip's folder")
     request = Request(str(folder), robot, options, fingerprint(robot, options),
                       dict(storage_options or {}))
     with locked(folder):

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -326,6 +327,16 @@ TEST(JointClipTest, AddsATrunkToKeypoints) {
   EXPECT_TRUE(clip.skeleton().find("chest").has_value());
 }
 
+// The tree of joints with these names that lie on a line.
+std::optional<JointTree> tree_of(const std::vector<std::string>& names) {
+  JointMotion motion;
+  motion.frame_count = 1;
+  motion.joint_count = static_cast<int>(names.size());
+  motion.positions.assign(names.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i < names.size(); ++i) motion.positions[i].x() = 0.01 * (double)i;
+  return joint_tree(motion, names);
+}
+
 // The toe of MediaPipe is called `foot_index`, that of OpenPose and Halpe `big_toe`.
 TEST(JointTreeTest, KeypointsOfVideoHaveToes) {
   int orders = 0;
@@ -333,12 +344,7 @@ TEST(JointTreeTest, KeypointsOfVideoHaveToes) {
     const std::vector<std::string> names = order.names();
     if (std::ranges::find(names, "left_heel") == names.end()) continue;
     ++orders;
-    JointMotion motion;
-    motion.frame_count = 1;
-    motion.joint_count = static_cast<int>(names.size());
-    motion.positions.assign(names.size(), Vector3d::Zero());
-    for (std::size_t i = 0; i < names.size(); ++i) motion.positions[i].x() = 0.01 * (double)i;
-    const auto tree = joint_tree(motion, names);
+    const auto tree = tree_of(names);
     ASSERT_TRUE(tree.has_value()) << order.name;
     for (const auto& [toe, ankle] : {std::pair(Bone::kLeftToe, Bone::kLeftFoot),
                                      std::pair(Bone::kRightToe, Bone::kRightFoot)}) {
@@ -354,13 +360,7 @@ TEST(JointTreeTest, KeypointsOfVideoHaveToes) {
 
 TEST(JointTreeTest, KnownJointOrdersFormBodies) {
   for (const JointOrder& order : joint_orders()) {
-    const std::vector<std::string> names = order.names();
-    JointMotion motion;
-    motion.frame_count = 1;
-    motion.joint_count = static_cast<int>(names.size());
-    motion.positions.assign(names.size(), Vector3d::Zero());
-    for (std::size_t i = 0; i < names.size(); ++i) motion.positions[i].x() = 0.01 * (double)i;
-    const auto tree = joint_tree(motion, names);
+    const auto tree = tree_of(order.names());
     ASSERT_TRUE(tree.has_value()) << order.name;
     for (const Bone bone :
          {Bone::kHips, Bone::kSpine2, Bone::kHead, Bone::kLeftUpLeg, Bone::kRightLeg,

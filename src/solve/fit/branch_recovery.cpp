@@ -108,8 +108,8 @@ class BranchChanger {
         result_(result) {}
 
   void recover(const FitLimb& limb, const std::vector<double>& costs);
-  // Moves both arms at once while both are astray. The trunk would follow an arm
-  // that moves alone, and the other arm would then choose a branch that suits the turned trunk.
+  // Moves both arms at once while both are astray. The trunk would follow an arm that moves alone,
+  // and the other arm would then choose a branch that suits the turned trunk.
   void recover_arms(const std::vector<FitLimb>& limbs);
 
  private:
