@@ -297,8 +297,9 @@ bool BranchChanger::take(std::span<const Move> moves) {
   return true;
 }
 
-// The limbs' indices, those with the largest errors first. With a fixed order of sides, a clip and
-// its mirror image would change different limbs, because each change affects the other limbs.
+// The limbs' indices, those with the smallest errors first: they affect the trunk, and thereby the
+// other limbs, least. With a fixed order of sides, a clip and its mirror image would change
+// different limbs.
 std::vector<std::size_t> by_error(const FitModel& model, const std::vector<FitLimb>& limbs,
                                   const LimbCostSamples& samples) {
   std::vector<std::size_t> order(limbs.size());
@@ -308,7 +309,7 @@ std::vector<std::size_t> by_error(const FitModel& model, const std::vector<FitLi
     const double astray = astray_cost(model, limbs[limb]);
     return astray > 0.0 ? std::accumulate(costs.begin(), costs.end(), 0.0) / astray : 0.0;
   };
-  std::ranges::stable_sort(order, std::greater(), error);
+  std::ranges::stable_sort(order, {}, error);
   return order;
 }
 
