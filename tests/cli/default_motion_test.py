@@ -85,7 +85,8 @@ T_POSE = (("Hips", None, (0, 0, 0)), ("Spine", "Hips", (0, 10, 0)), ("Spine1", "
 
 
 def human_in_t_pose(frames):
-    """A BVH clip at 30 fps; a frame gives the angle of the arms in degrees above the horizontal."""
+    """A BVH clip at 30 fps; a frame gives the angles of the left and right arm in degrees above the
+    horizontal."""
     joints = [*T_POSE]
     for name, parent, *offsets in T_POSE:
         if name.startswith("Left"):
@@ -106,18 +107,23 @@ def human_in_t_pose(frames):
         yield "}"
 
     lines = ["HIERARCHY", *hierarchy(*joints[0]), "MOTION", f"Frames: {len(frames)}", "Frame Time: 0.0333333"]
-    for angle in frames:
-        turned = {"LeftArm": angle, "RightArm": -angle}
+    for left, right in frames:
+        turned = {"LeftArm": left, "RightArm": -right}
         lines.append("0 93 0 " + " ".join(f"{turned.get(name, 0)} 0 0" for name in order))
     return "\n".join(lines) + "\n"
+
+
+def raised_arm(top, start, seconds):
+    """The angles of an arm that is raised to the side, at 30 fps."""
+    shares = [min(1, max(0, (frame / 30 - start) / seconds)) for frame in range(130)]
+    return [-75 + (top + 75) * share * share * (3 - 2 * share) for share in shares]
 
 
 class RaisedArms(DefaultMotion):
     def test_raising_both_arms_to_the_sides_does_not_turn_the_chest(self):
         for top in (60, 70, 80, 88):
-            shares = [min(1, max(0, (i / 30 - 0.8))) for i in range(100)]
-            angles = [-75 + (top + 75) * share * share * (3 - 2 * share) for share in shares]
-            clip = self.write("raised.bvh", human_in_t_pose(angles))
+            angles = raised_arm(top, 0.8, 1)[:100]
+            clip = self.write("raised.bvh", human_in_t_pose(list(zip(angles, angles))))
             report = self.report_of_run(clip)
             rows = self.rows("out.csv")
             waist_yaw = [row[7 + 12] for row in rows]
@@ -127,6 +133,22 @@ class RaisedArms(DefaultMotion):
             left, right = rows[80][7 + 15:7 + 19], rows[80][7 + 22:7 + 26]
             for a, b, sign in zip(left, right, (1, -1, -1, 1)):
                 self.assertAlmostEqual(a, sign * b, delta=0.05, msg=top)
+
+    def test_the_arms_move_alike_in_a_clip_and_its_mirror_image(self):
+        # Both arms move to another branch, which one of them can reach earlier.
+        for left, right in (((65, 1.0, 1.0), (85, 0.6, 1.0)), ((88, 0.6, 1.3), (70, 1.2, 0.9))):
+            clip = self.write("raised.bvh",
+                              human_in_t_pose(list(zip(raised_arm(*left), raised_arm(*right)))))
+            motions = []
+            for options in ((), ("--mirror",)):
+                notes = " ".join(self.report_of_run(clip, "unitree_g1", *options)["fit"]["notes"])
+                for arm in ("left", "right"):
+                    self.assertIn(f"the {arm} arm was stuck on a wrong branch", notes)
+                motions.append(self.rows("out.csv"))
+            for row, mirrored in zip(*motions):
+                # Shoulder pitch, roll and yaw, elbow.
+                for a, b, sign in zip(row[7 + 15:7 + 19], mirrored[7 + 22:7 + 26], (1, -1, -1, 1)):
+                    self.assertAlmostEqual(a, sign * b, delta=0.02, msg=(left, right))
 
 
 class LikeThePublishedData(DefaultMotion):

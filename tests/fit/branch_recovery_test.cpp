@@ -174,6 +174,17 @@ TEST_F(LimbSolverTest, FindsArmsAndLegs) {
   }
 }
 
+TEST_F(LimbSolverTest, ComparesRightJointsWithTheMirrorImagesOfLeftOnes) {
+  using testing::ElementsAre;
+  for (const std::size_t left : {0, 1}) {
+    EXPECT_THAT(limbs_[left].reversed, testing::Each(false));
+  }
+  // Pitch, roll and yaw of the shoulder, elbow, roll, pitch and yaw of the wrist.
+  EXPECT_THAT(limbs_[2].reversed, ElementsAre(false, true, true, false, true, false, true));
+  // Pitch, roll and yaw of the hip, knee, pitch and roll of the ankle.
+  EXPECT_THAT(limbs_[3].reversed, ElementsAre(false, true, true, false, false, true));
+}
+
 TEST_F(LimbSolverTest, ReachesTargetsInRangeAndMovesNoOtherLimb) {
   for (const FitLimb& limb : limbs_) {
     SCOPED_TRACE(limb.name);

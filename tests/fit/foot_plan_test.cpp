@@ -346,20 +346,35 @@ TEST(FootPlan, FeetBesideARestingKneeKeepTheirWeight) {
   }
 }
 
-// A part in contact with a body in all frames: a body at rest carries the human, and a moved one does
-// not.
-TEST(FootPlan, FeetBesideAKneeOnABodyAtRestKeepTheirWeight) {
+TEST(FootPlan, FeetKeepTheirWeightBesidePartsThatASceneCarries) {
+  struct Contact {
+    bool at_rest = true;
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+    double share = 1.0;
+    double hold = 2.0;  // Of the foot.
+  };
+  const std::array contacts = {
+      Contact{.hold = 1.0},
+      Contact{.at_rest = false},
+      Contact{.normal = Eigen::Vector3d::UnitX()},   // A wall.
+      Contact{.normal = -Eigen::Vector3d::UnitZ()},  // The underside of a table.
+      Contact{.share = 0.9},                         // The part approaches the surface.
+  };
   const SourceFeet feet = leaving_feet(120.0);
-  for (const bool at_rest : {true, false}) {
+  for (const Contact& contact : contacts) {
     FitScene scene;
-    scene.world.fixed = {static_cast<char>(at_rest)};
+    scene.world.fixed = {static_cast<char>(contact.at_rest)};
     scene.goals.resize(static_cast<std::size_t>(feet.frame_count()));
+    for (SceneGoal& goal : scene.goals) {
+      goal.normal = contact.normal;
+      goal.share = contact.share;
+    }
     for (int frame = 0; frame <= feet.frame_count(); ++frame) {
       scene.first_goal.push_back(static_cast<std::uint32_t>(frame));
     }
     FootPlan plan = plan_of(feet);
     ease_contacts(feet, std::array{0}, 1.0, &scene, plan);
-    EXPECT_NEAR(plan.ends_of(0)[0].hold, at_rest ? 1.0 : 2.0, 1e-12);
+    EXPECT_NEAR(plan.ends_of(0)[0].hold, contact.hold, 1e-12) << &contact - contacts.data();
   }
 }
 

@@ -18,6 +18,7 @@
 #include "retarget/scene.h"
 #include "support/lafan1_map.h"
 #include "support/recorded_clip.h"
+#include "support/still_human.h"
 
 namespace retarget {
 namespace {
@@ -58,7 +59,7 @@ struct HumanInScene {
     world.emplace(make_scene_world(std::move(placed).value()).value());
     feet = SourceFeet(human, human.frame_count);
     contacts = find_contacts_on_ground(*world, feet);
-    SurfaceParts parts(human, contacts.scale);
+    parts = SurfaceParts(human, contacts.scale);
     for (int frame = 0; frame < human.frame_count; ++frame) parts.add(human.frame(frame));
     phases = find_surface_contacts(*world, parts, contacts, {}, feet.frame_time);
   }
@@ -68,6 +69,7 @@ struct HumanInScene {
   std::optional<SceneWorld> world;
   SourceFeet feet;
   ContactPlan contacts;
+  SurfaceParts parts;
   std::vector<SurfacePhase> phases;
 };
 
@@ -101,16 +103,51 @@ TEST(SurfaceContacts, ABodyRestsOnABedAsOnTheFloor) {
   }
 }
 
+// Whether a part touches the first body of the scene throughout [begin, end).
+bool touches(const HumanInScene& scene, std::size_t part, int begin, int end) {
+  return std::ranges::any_of(scene.phases, [&](const SurfacePhase& phase) {
+    return phase.part == part && phase.body == 0 && phase.begin <= begin && phase.end >= end;
+  });
+}
+
 TEST(SurfaceContacts, PartsThatRestOnABodyTouchIt) {
   const HumanInScene on_bed("get_up", bed_scene(false));
   for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
-    for (const ContactPhase& rest : on_bed.contacts.bodies_above_floor[part]) {
-      const bool touches = std::ranges::any_of(on_bed.phases, [&](const SurfacePhase& phase) {
-        return phase.part == part && phase.body == 0 && phase.begin <= rest.begin &&
-               phase.end >= rest.end;
-      });
-      EXPECT_TRUE(touches) << part << " from frame " << rest.begin;
+    // The left knee does not reach the bed.
+    const auto& rests = on_bed.contacts.bodies_above_floor[part];
+    EXPECT_EQ(rests.empty(), kSupportBones[part] == Bone::kLeftLeg) << part;
+    for (const ContactPhase& rest : rests) {
+      int begin = rest.begin, end = rest.end;
+      const auto is_far = [&](int frame) {
+        return on_bed.parts.nearest(*on_bed.world, frame, part, 0).distance >
+               0.05 * on_bed.contacts.scale;
+      };
+      // Slow hands rest from a height in which they do not touch.
+      while (begin < end && is_far(begin)) ++begin;
+      while (begin < end && is_far(end - 1)) --end;
+      EXPECT_GT(end - begin, (rest.end - rest.begin) / 2) << part;
+      EXPECT_TRUE(touches(on_bed, part, begin, end)) << part << " from frame " << rest.begin;
     }
+  }
+}
+
+// A still hand, at different heights of the wrist above a bed. On the floor it would rest at each.
+TEST(SurfaceContacts, HandsRestOnABodyOnlyIfTheyAreNearIt) {
+  constexpr int kFrames = 30;
+  constexpr std::size_t kLeftHandPart = 4;
+  static_assert(kSupportBones[kLeftHandPart] == Bone::kLeftHand);
+  for (const auto& [height, rests] : {std::pair(0.065, true), std::pair(0.085, false)}) {
+    SCOPED_TRACE(height);
+    const HumanClip human =
+        still_human({{"LeftHand", Vector3d(0.0, 0.0, kBedHeight + height)}}, kFrames);
+    auto placed = place_scene(bed_scene(false), {}, {human.rate, kFrames, 0, human.rate, kFrames});
+    const SceneWorld world = make_scene_world(std::move(placed).value()).value();
+    SurfaceParts parts(human, 1.0);
+    for (int frame = 0; frame < kFrames; ++frame) parts.add(human.frame(frame));
+    ContactPlan contacts;
+    contacts.bodies_above_floor[kLeftHandPart] = {{0, kFrames, kBedHeight}};
+    const auto phases = find_surface_contacts(world, parts, contacts, {}, 1.0 / 30.0);
+    EXPECT_EQ(phases.size(), rests ? 1U : 0U);
   }
 }
 

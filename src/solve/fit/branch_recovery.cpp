@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -122,6 +124,9 @@ class BranchChanger {
   [[nodiscard]] int worst_sample(const AstraySamples& astray, BranchFinder& finder) const;
   [[nodiscard]] std::optional<Move> find_move(const FitLimb& limb, int frame,
                                               BranchFinder& finder) const;
+  [[nodiscard]] std::vector<Move> moves_of_both(const std::array<const FitLimb*, 2>& arms,
+                                                std::array<BranchFinder, 2>& finders,
+                                                const AstraySamples& astray) const;
   bool take(std::span<const Move> moves);
 
   const FitModel& model_;
@@ -153,48 +158,70 @@ std::optional<BranchChanger::Move> BranchChanger::find_move(const FitLimb& limb,
   return Move{&limb, &finder, *branch};
 }
 
-// By sample, the smaller one of the costs of two limbs, each as a share of its astray_cost().
-std::vector<double> shares_of_both(const LimbCostSamples& samples,
-                                   const std::array<std::size_t, 2>& limbs,
-                                   const std::array<double, 2>& astray) {
-  std::vector<double> shares(samples.costs(limbs[0]).size());
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    shares[i] =
-        std::min(samples.costs(limbs[0])[i] / astray[0], samples.costs(limbs[1])[i] / astray[1]);
+// Moves of both arms from the same frame: among the frames in which each arm has another
+// configuration, the one with the highest cost of the arm that is less stuck. Empty if there is
+// none.
+std::vector<BranchChanger::Move> BranchChanger::moves_of_both(
+    const std::array<const FitLimb*, 2>& arms, std::array<BranchFinder, 2>& finders,
+    const AstraySamples& astray) const {
+  const std::array off = {astray_cost(model_, *arms[0]), astray_cost(model_, *arms[1])};
+  std::vector<std::pair<double, int>> stuck;  // The smaller cost of both arms, and the frame.
+  for (int i = astray.begin; i < astray.end; ++i) {
+    const int frame = samples_.frame(i);
+    stuck.emplace_back(
+        std::min(finders[0].stuck_cost(frame) / off[0], finders[1].stuck_cost(frame) / off[1]),
+        frame);
   }
-  return shares;
+  std::ranges::stable_sort(stuck, std::greater(), &std::pair<double, int>::first);
+  for (const auto& [cost, frame] : stuck) {
+    std::array<std::optional<LimbJoints>, 2> others;
+    for (const std::size_t i : {0, 1}) {
+      others[i] = finders[i].other_configuration(frame, 0.5 * off[i]);
+      if (!others[i]) break;
+    }
+    if (!others[0] || !others[1]) continue;
+    std::vector<Move> moves;
+    for (const std::size_t i : {0, 1}) {
+      auto branch = finders[i].follow(frame, *others[i]);
+      if (!branch) return {};
+      moves.push_back({arms[i], &finders[i], std::move(*branch)});
+    }
+    return moves;
+  }
+  return {};
 }
 
 void BranchChanger::recover_arms(const std::vector<FitLimb>& limbs) {
-  std::vector<std::size_t> arms;
+  std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < limbs.size(); ++i) {
-    if (limbs[i].is_arm && astray_cost(model_, limbs[i]) > 0.0) arms.push_back(i);
+    if (limbs[i].is_arm && astray_cost(model_, limbs[i]) > 0.0) indices.push_back(i);
   }
-  if (arms.size() != 2) return;
-  const FitLimb &left = limbs[arms[0]], &right = limbs[arms[1]];
-  const std::vector<double> shares = shares_of_both(
-      samples_, {arms[0], arms[1]}, {astray_cost(model_, left), astray_cost(model_, right)});
-  std::optional<BranchFinder> left_finder, right_finder;
+  if (indices.size() != 2) return;
+  const std::array arms = {&limbs[indices[0]], &limbs[indices[1]]};
+  std::vector<double> shares(samples_.costs(0).size());
+  const auto next_both_astray = [&](int from) {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i] = std::min(samples_.costs(indices[0])[i] / astray_cost(model_, *arms[0]),
+                           samples_.costs(indices[1])[i] / astray_cost(model_, *arms[1]));
+    }
+    return next_astray(shares, 1.0, from);
+  };
+  std::optional<std::array<BranchFinder, 2>> finders;
   int wait = kShortestWait;
-  for (auto found = next_astray(shares, 1.0, 0); found && !result_.stopped;) {
-    if (!left_finder) {
-      left_finder.emplace(model_, options_, clip_, left);
-      right_finder.emplace(model_, options_, clip_, right);
+  for (auto found = next_both_astray(0); found && !result_.stopped;) {
+    if (!finders) {
+      finders.emplace(std::array{BranchFinder(model_, options_, clip_, *arms[0]),
+                                 BranchFinder(model_, options_, clip_, *arms[1])});
     }
-    const int frame = samples_.frame(worst_sample(*found, *left_finder));
-    std::vector<Move> moves;
-    if (auto move = find_move(left, frame, *left_finder)) moves.push_back(std::move(*move));
-    if (!moves.empty()) {
-      if (auto move = find_move(right, frame, *right_finder)) moves.push_back(std::move(*move));
-    }
-    int next = found->end + wait;
-    if (moves.size() == 2 && take(moves)) {
+    const std::vector<Move> moves = moves_of_both(arms, *finders, *found);
+    int next = std::max(found->end, found->begin + wait);
+    if (!moves.empty() && take(moves)) {
       wait = kShortestWait;
       next = samples_.index_from(std::max(moves[0].branch.end, moves[1].branch.end));
     } else {
       wait = std::min(2 * wait, kLongestWait);
     }
-    found = next_astray(shares, 1.0, next);
+    found = next_both_astray(next);
   }
 }
 
@@ -270,6 +297,22 @@ bool BranchChanger::take(std::span<const Move> moves) {
   return true;
 }
 
+// The limbs' indices, those with the smallest errors first: they affect the trunk, and thereby the
+// other limbs, least. With a fixed order of sides, a clip and its mirror image would change
+// different limbs.
+std::vector<std::size_t> by_error(const FitModel& model, const std::vector<FitLimb>& limbs,
+                                  const LimbCostSamples& samples) {
+  std::vector<std::size_t> order(limbs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto error = [&](std::size_t limb) {
+    const std::vector<double>& costs = samples.costs(limb);
+    const double astray = astray_cost(model, limbs[limb]);
+    return astray > 0.0 ? std::accumulate(costs.begin(), costs.end(), 0.0) / astray : 0.0;
+  };
+  std::ranges::stable_sort(order, {}, error);
+  return order;
+}
+
 }  // namespace
 
 double astray_cost(const FitModel& model, const FitLimb& limb) {
@@ -290,10 +333,12 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
   }
   BranchChanger changer(model, options, clip, keep_going, samples, result);
   changer.recover_arms(limbs);
-  for (std::size_t i = 0; i < limbs.size() && !result.stopped; ++i) {
+  for (const std::size_t i : by_error(model, limbs, samples)) {
+    if (result.stopped) break;
     changer.recover(limbs[i], samples.costs(i));
     if (limbs[i].is_arm && !result.stopped) {
       straighten_arm(model, options, clip, limbs[i], astray[i], keep_going, result);
+      samples.update(0, clip.frame_count);
     }
   }
   const auto order = [&](const RecoveredLimb& recovered) {

@@ -143,10 +143,13 @@ class SupportPlanner {
 };
 
 // Whether a knee, elbow, hand, the seat or the back is held during this phase, on the floor or on a
-// body of a scene at rest.
+// body of a scene at rest. A hand on a wall does not carry the body.
 bool has_other_support(const FootPlan& plan, const FitScene* scene, const PlantedPhase& phase) {
+  constexpr double kLevel = 0.7;  // Upward component of the normal: a slope of 45 degrees.
+  const auto rests = [&](const SceneGoal& goal) {
+    return goal.share >= 1.0 && goal.normal.z() > kLevel && scene->world.is_fixed(at(goal.body));
+  };
   for (int frame = phase.begin; scene != nullptr && frame < phase.end; ++frame) {
-    const auto rests = [&](const SceneGoal& goal) { return scene->world.is_fixed(at(goal.body)); };
     if (std::ranges::any_of(scene->goals_of(frame), rests)) return true;
   }
   const auto count = at(plan.support_count);

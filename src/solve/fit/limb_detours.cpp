@@ -67,7 +67,7 @@ class ArmStraightener {
     return frame_.cost();
   }
   bool is_trunk_twisted(const FrameRange& interval);
-  double visible_error(const FrameRange& interval);
+  double visible_error(const FitWindow& window);
   bool release_trunk(WindowTrial& trial);
   std::vector<LimbPlace> other_branches(const FrameRange& interval);
   std::optional<LimbBranch> find_far(const FrameRange& interval);
@@ -100,18 +100,18 @@ bool ArmStraightener::is_trunk_twisted(const FrameRange& interval) {
   return false;
 }
 
-// The sum of squared errors of the directions of arm bones and of the rotation of the trunk, rad^2.
-// Twists of arms are hardly visible, so a path that lowers them must not turn the trunk.
-double ArmStraightener::visible_error(const FrameRange& interval) {
+// The sum of squared errors of the tracked directions of arm bones and of the rotation of the trunk,
+// rad^2. Twists of arms are hardly visible, so a path that lowers them must not turn the trunk.
+double ArmStraightener::visible_error(const FitWindow& window) {
   double sum = 0.0;
-  for (int t = interval.begin; t < interval.end; ++t) {
+  for (int t = window.begin; t < window.end; ++t) {
     frame_.set(t);
     for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
       const FitTask& task = model_.tasks[k];
       const Pose& world_from_link = frame_.pose().world_from_link[at(task.link)];
       const TaskTarget& target = frame_.goals().targets[k];
       const auto bone = limb_bone(task.bone);
-      if (bone == LimbBone::kArm || bone == LimbBone::kForeArm) {
+      if ((bone == LimbBone::kArm || bone == LimbBone::kForeArm) && task.rotation_weight > 0.0) {
         const Eigen::Vector3d axis = world_from_link.rotation * task.twist_axis;
         const Eigen::Vector3d wanted = target.world_from_link * task.twist_axis;
         sum += square(portable::atan2(axis.cross(wanted).norm(), axis.dot(wanted)));
@@ -218,7 +218,7 @@ void ArmStraightener::reroute(const FrameRange& interval) {
     changed = window;
     trial.emplace(model_, options_, clip_, keep_going_, window.begin, window.end);
     before = arm_cost();
-    visible_before = visible_error(window);
+    visible_before = visible_error(trial->window());
     return !is_trunk_twisted(window) || release_trunk(*trial);
   };
   bool is_free = begin_trial(interval);
@@ -236,7 +236,7 @@ void ArmStraightener::reroute(const FrameRange& interval) {
   if (path && is_free) {
     put_limb(model_, arm_, *path, clip_);
     if (trial->solve() && trial->pays_off() &&
-        visible_error(changed) <= kMoreVisible * visible_before) {
+        visible_error(trial->window()) <= kMoreVisible * visible_before) {
       recovered = {arm_.name, changed.begin, changed.end, before, arm_cost()};
     }
   }

@@ -53,18 +53,29 @@ FitLimb find_limb(const FitModel& model, Side side, bool arm) {
   return limb;
 }
 
-// A mirrored rotation has the mirrored axis and the opposite angle.
+// Sets FitLimb::reversed of the right limb. The mirror plane is half-way between the first joints of
+// both limbs.
 void compare_with_left(const FitModel& model, const FitLimb& left, FitLimb& right) {
+  constexpr double kOpposite = -0.9;  // Cosine of the angle between axes.
   if (left.links.size() != right.links.size()) return;
   std::vector<double> zero(at(model.configuration_size));
   zero[3] = 1.0;
   const TreeState pose(model.tree, zero);
+  const auto origin = [&](const FitLimb& limb) -> const Vector3d& {
+    return pose.world_from_link[at(limb.link)].translation;
+  };
+  const Vector3d normal = (origin(left) - origin(right)).stableNormalized();
   for (std::size_t i = 0; i < right.links.size(); ++i) {
-    const auto axis = [&](const FitLimb& limb) -> const Vector3d& {
-      return pose.angular[at(KinematicTree::dof_of(limb.links[i]))];
+    const int left_link = left.links[i], right_link = right.links[i];
+    const bool slides = model.tree.links()[at(left_link)].slides;
+    if (slides != model.tree.links()[at(right_link)].slides) continue;
+    const auto axis = [&](int link) -> const Vector3d& {
+      return (slides ? pose.linear : pose.angular)[at(KinematicTree::dof_of(link))];
     };
-    const Vector3d mirrored = axis(left).cwiseProduct(Vector3d(-1.0, 1.0, -1.0));
-    right.reversed[i] = axis(right).dot(mirrored) < 0.0;
+    const Vector3d translated = axis(left_link) - 2.0 * normal.dot(axis(left_link)) * normal;
+    // A mirrored rotation has the mirrored axis and the opposite angle.
+    const Vector3d mirrored = slides ? translated : Vector3d(-translated);
+    right.reversed[i] = axis(right_link).dot(mirrored) < kOpposite;
   }
 }
 
