@@ -359,5 +359,21 @@ TEST_F(JointSpeedsTest, JointsAreSmootherNearContactsWithAScene) {
   }
 }
 
+TEST_F(JointSpeedsTest, KeepTheStepsOfTargetsThatStay) {
+  make_clip(12, 30.0);
+  JointSpeeds kept(model_, options_, clip_, true);
+  std::vector<StepTerm> terms(dofs_), wanted(dofs_);
+  for (int i = 0; i < 2; ++i) {
+    kept.update(model_, clip_, 0, clip_.frame_count);
+    const JointSpeeds read_again = speeds();
+    for (int t = 0; t + 1 < clip_.frame_count; ++t) {
+      kept.terms(t, terms);
+      read_again.terms(t, wanted);
+      for (std::size_t dof = 0; dof < dofs_; ++dof) EXPECT_EQ(terms[dof].force, wanted[dof].force);
+    }
+    for (double& value : clip_.frame(5, model_.configuration_size)) value *= 0.5;
+  }
+}
+
 }  // namespace
 }  // namespace retarget

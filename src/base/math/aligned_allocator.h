@@ -18,6 +18,11 @@ struct AlignedAllocator {
   [[nodiscard]] T* allocate(std::size_t count) {
     return static_cast<T*>(::operator new(count * sizeof(T), kCacheLine));
   }
+  /// Values without an initial value stay undefined, so that large arrays are not written twice.
+  template <class U>
+  void construct(U* value) {
+    ::new (static_cast<void*>(value)) U;
+  }
   void deallocate(T* values, std::size_t /*count*/) { ::operator delete(values, kCacheLine); }
 
   bool operator==(const AlignedAllocator&) const = default;

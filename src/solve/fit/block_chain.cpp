@@ -1,6 +1,7 @@
 #include "solve/fit/block_chain.h"
 
 #include <algorithm>
+#include <array>
 
 #include "base/math/four_doubles.h"
 #include "solve/fit/symmetric_inverse.h"
@@ -8,20 +9,32 @@
 namespace retarget {
 namespace {
 
-// Computes y = sign * a x. Adds kInverseBlock rows at a time, so that y is loaded less often.
+// Computes y = sign * a x. Reads the lower triangle of `a` and the blocks on its diagonal, each
+// entry once, because the blocks of a window do not fit into the cache.
 template <class V>
 RETARGET_INLINE void multiply_plain(const double* a, const double* x, double sign, int size,
                                     double* y) {
-  std::fill_n(y, size, 0.0);
   for (int i = 0; i < size; i += kInverseBlock) {
     const double* const rows = a + static_cast<std::ptrdiff_t>(i) * size;
-    for (int j = 0; j < size; j += kInverseBlock) {
-      V sum = V::load(y + j);
+    std::array<V, kInverseBlock> factors, sums;
+    for (int p = 0; p < kInverseBlock; ++p) factors[p] = V::all(sign * x[i + p]);
+    sums.fill(V::all(0.0));
+    for (int j = 0; j < i; j += kInverseBlock) {
+      const V other = V::load(x + j);
+      V above = V::load(y + j);
       for (int p = 0; p < kInverseBlock; ++p) {
-        sum = sum + V::all(sign * x[i + p]) * V::load(rows + p * size + j);
+        const V entries = V::load(rows + p * size + j);
+        above = above + factors[p] * entries;
+        sums[p] = sums[p] + entries * other;
       }
-      sum.store(y + j);
+      above.store(y + j);
     }
+    transpose(sums);
+    V own = V::all(sign) * ((sums[0] + sums[1]) + (sums[2] + sums[3]));
+    for (int p = 0; p < kInverseBlock; ++p) {
+      own = own + factors[p] * V::load(rows + p * size + i);
+    }
+    own.store(y + i);
   }
 }
 RETARGET_FOUR(multiply)

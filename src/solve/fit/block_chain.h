@@ -15,7 +15,8 @@ namespace retarget {
 ///     C_t x_(t-1) + H_t x_t + C_(t+1) x_(t+1) = b_t.
 ///
 /// Block elimination from the first block to the last, S_t = H_t - C_t S_(t-1)^-1 C_t, then back
-/// substitution. It stores -S_t^-1, because C S^-1 C only scales rows and columns of the inverse.
+/// substitution. It stores the lower triangle of -S_t^-1, because C S^-1 C only scales rows and
+/// columns of the inverse.
 class BlockChain {
  public:
   /// @param size  number of rows of a block, > 0.

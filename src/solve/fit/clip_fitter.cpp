@@ -134,7 +134,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       terms_(model, options),
       pose_(model.tree),
       pose_before_(model.tree),
-      speeds_(model, options, clip),
+      speeds_(model, options, clip, window.begin < window.end),
       chain_(dofs_),
       pairs_(at(window.end - window.begin)),
       pairs_stay_(

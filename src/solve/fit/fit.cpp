@@ -103,6 +103,9 @@ bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets&
   const std::size_t count = at(made.targets.target_count());
   made.world_from_target.resize(at(info.frame_count) * count);
   feet_ = SourceFeet(info);
+  feet_.reserve(info.frame_count);
+  path_.reserve(at(info.frame_count));
+  clip_.targets.reserve(at(info.frame_count) * model_.tasks.size());
   clip_.frame_time = info.rate.frame_time();
   clip_.frame_count = info.frame_count;
   for (int frame = 0; frame < info.frame_count; ++frame) {

@@ -45,8 +45,10 @@ void configuration_step(const FitModel& model, std::span<const double> from,
 
 }  // namespace
 
-JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, const FitClip& clip)
+JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, const FitClip& clip,
+                         bool targets_stay)
     : root_(model, clip.frame_time),
+      targets_stay_(targets_stay),
       root_share_(root_.exists() ? options.smoothness_root_reference : 0.0),
       speed_weight_(options.speed ? square(options.speed_weight / clip.frame_time) : 0.0),
       smoothing_(square(options.smoothing_time / clip.frame_time)),
@@ -118,10 +120,7 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
                        clip.frame(first + i + 1, model.configuration_size),
                        steps_.data() + static_cast<std::size_t>(i) * dofs);
   }
-  for (int i = 0; root_share_ > 0.0 && i < count; ++i) {
-    Eigen::Map<Eigen::Vector3d>(steps_.data() + static_cast<std::size_t>(i) * dofs) -=
-        root_share_ * root_.step(clip, first + i);
-  }
+  if (root_share_ > 0.0) subtract_root_reference(clip, count);
   // The tridiagonal matrix is the same for every degree of freedom.
   for (int i = 0; i < count; ++i) {
     const double diagonal = 1.0 + smoothing_ * ((i > 0 ? 1 : 0) + (i < count - 1 ? 1 : 0));
@@ -141,6 +140,17 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
   }
   if (clip.scene != nullptr) update_factors(*clip.scene, count);
   for (Limb& limb : limbs_) smooth(limb, clip, count);
+}
+
+void JointSpeeds::subtract_root_reference(const FitClip& clip, int count) {
+  if (!targets_stay_ || root_steps_.empty()) {
+    root_steps_.clear();
+    for (int i = 0; i < count; ++i) root_steps_.push_back(root_.step(clip, first_ + i));
+  }
+  for (std::size_t i = 0; i < root_steps_.size(); ++i) {
+    Eigen::Map<Eigen::Vector3d>(steps_.data() + i * smooth_weight_.size()) -=
+        root_share_ * root_steps_[i];
+  }
 }
 
 bool JointSpeeds::touches(const Limb& limb, const FitClip& clip, int frame) {

@@ -51,8 +51,10 @@ struct StepTerm {
 /// (F^-1 + C^-1)^-1 bounds this matrix.
 class JointSpeeds {
  public:
-  /// @param clip  for its frame time and scene.
-  JointSpeeds(const FitModel& model, const FitOptions& options, const FitClip& clip);
+  /// @param clip          for its frame time and scene.
+  /// @param targets_stay  all updates read the same frames, and their targets do not change.
+  JointSpeeds(const FitModel& model, const FitOptions& options, const FitClip& clip,
+              bool targets_stay = false);
 
   /// Reads the steps of frames [first, last).
   void update(const FitModel& model, const FitClip& clip, int first, int last);
@@ -75,6 +77,7 @@ class JointSpeeds {
   [[nodiscard]] static Limb limb_of(const FitModel& model, const FitLimb& limb, double frame_time);
   [[nodiscard]] static bool touches(const Limb& limb, const FitClip& clip, int frame);
   void add_joints_of_no_limb(const FitModel& model);
+  void subtract_root_reference(const FitClip& clip, int count);
   void update_factors(const FitScene& scene, int count);
   void smooth(Limb& limb, const FitClip& clip, int count);
   void add_differences(const Limb& limb, const FitClip& clip, int count);
@@ -88,6 +91,7 @@ class JointSpeeds {
   }
 
   RootReference root_;
+  bool targets_stay_;
   double root_share_;                  // Factor for the reference's steps.
   std::vector<double> smooth_weight_;  // (w / dt)^2, by dof.
   std::vector<double> soft_step_;      // By dof: step at which the speed term sets in.
@@ -100,6 +104,7 @@ class JointSpeeds {
   PentadiagonalMatrix smoothness_;
   int first_ = 0;
   std::vector<double> steps_, smooth_, factors_;
+  std::vector<Eigen::Vector3d> root_steps_;  // Of root_, by step.
   // Of the joints' terms by step, and steps_ times these factors; only in scenes.
   std::vector<double> scene_factors_, factored_steps_;
 };

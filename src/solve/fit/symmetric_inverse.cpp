@@ -127,11 +127,6 @@ RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
     Block<V> block = load<V>(at(i, i), size);
     mirror(block);
     store(block, at(i, i), size);
-    for (int j = 0; j < i; j += kBlock) {
-      block = load<V>(at(i, j), size);
-      transpose(block);
-      store(block, at(j, i), size);
-    }
   }
   return true;
 }

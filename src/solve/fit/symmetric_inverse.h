@@ -9,8 +9,8 @@ inline constexpr int kInverseBlock = 4;
 /// at a time (Goodnight, "A tutorial on the SWEEP operator", 1979): the sweeps touch only one
 /// triangle.
 ///
-/// @param a        size x size, row-major, 8-byte aligned. Reads the lower triangle and writes
-///     both.
+/// @param a        size x size, row-major, 8-byte aligned. Reads the lower triangle; writes it and
+///     the whole blocks of kInverseBlock rows and columns on the diagonal.
 /// @param size     a multiple of kInverseBlock.
 /// @param scratch  2 * kInverseBlock * size values.
 /// @param wide     use AVX2; requires has_avx2().
