@@ -124,6 +124,7 @@ struct ServeSummary {
   LatencySummary latency;
   std::vector<OutputStatistics> outputs;
   Result<void> written;  ///< Error if a file or a recording is incomplete.
+  std::optional<Error> unused;  ///< Why the packets gave no robot frame; empty if they gave any.
 };
 
 /// Resolves kAuto: from standard input to files and standard output the input sets the pace,
