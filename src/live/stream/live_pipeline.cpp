@@ -192,8 +192,7 @@ void LivePipeline::finish(double now) {
   pull(now_);
 }
 
-Result<void> LivePipeline::check_used(const std::string& input,
-                                      std::string_view format) const {
+Result<void> LivePipeline::check_used(const std::string& input, std::string_view format) const {
   // In lag mode, a short stream at clock pace ends before its first robot frame.
   const LiveStatistics now = statistics();
   const bool is_used = now.received > now.bad + now.late + now.doubled;
