@@ -123,7 +123,8 @@ struct ServeSummary {
   PipelineStatistics packets;
   LatencySummary latency;
   std::vector<OutputStatistics> outputs;
-  Result<void> written;  ///< Error if a file or a recording is incomplete.
+  Result<void> written;         ///< Error if a file or a recording is incomplete.
+  std::optional<Error> unused;  ///< Why the packets gave no robot frame; empty if they gave any.
 };
 
 /// Resolves kAuto: from standard input to files and standard output the input sets the pace,

@@ -30,6 +30,7 @@ from retarget.data_set.pack import pack_passed
 from retarget.data_set.run import Progress, Task, fingerprint, locked
 from retarget.data_set.solve import WORK, Request, solve_clips
 from retarget.packs._parquet import arrow
+from retarget.packs._parts import check_target
 
 __all__ = ["DataSet", "read_manifest", "retarget_dataset"]
 
@@ -109,6 +110,8 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
     if inside:
         raise UsageError(f'pack: the motion of "{inside[0]}" would lie in the folder of the pack; '
                          "rename the clip's folder")
+    if pack is not None:
+        check_target(folder / pack, replace=True)
     request = Request(str(folder), robot, options, fingerprint(robot, options),
                       dict(storage_options or {}))
     with locked(folder):

@@ -165,6 +165,8 @@ def test_motions_must_agree(clips: Clips, files: dict[str, Path], tmp_path: Path
         packs.write_motion_v1(clips, tmp_path / "set", end_effectors=["tail"])
     with pytest.raises(retarget.UsageError, match="two names become"):
         packs.write_motion_v1({"a/b": motion, "a__b": motion}, tmp_path / "set")
+    with pytest.raises(retarget.UsageError, match="two names become"):
+        packs.write_motion_v1({"a/b": motion, "a__b": motion}, tmp_path / "set", max_clips=1)
 
 
 def test_passed_motions_of_a_batch(data: Path, tmp_path: Path) -> None:
@@ -269,6 +271,48 @@ def test_csvs_have_the_units_of_their_batch(data: Path, tmp_path: Path) -> None:
     made = packs.write_lerobot(packs.clips_of(out), tmp_path / "set", robot="g1")
     largest = json.loads((made / "meta/stats.json").read_text())["observation.state"]["max"]
     assert 0.7 < largest[2] < 0.9 and max(largest[7:]) < 3.0
+
+
+@pytest.mark.parametrize("kind", ["csv", "pkl-gmr"])
+@pytest.mark.parametrize("variant", ["23", "23-pbhc"])
+def test_the_joints_are_those_of_the_recorded_variant(variant: str, kind: str, data: Path,
+                                                      tmp_path: Path) -> None:
+    need("pyarrow")
+    found = packs.clips_of(batch_of_wave(data, tmp_path, dof=variant, format=kind))
+    made = packs.write_lerobot(found, tmp_path / "set", robot="g1")
+    features = json.loads((made / "meta/info.json").read_text())["features"]
+    joints = retarget.Robot("g1", dof=variant).joint_names
+    assert features["action"]["names"] == joints and len(joints) == 23
+    # A Robot keeps its joints.
+    made = packs.write_lerobot(found, tmp_path / "whole", robot=retarget.Robot("g1"))
+    features = json.loads((made / "meta/info.json").read_text())["features"]
+    assert features["action"]["shape"] == [29]
+
+
+@pytest.mark.parametrize("kind", ["lerobot", "motion_v1", "webdataset"])
+def test_a_changed_clip_is_an_error(kind: str, data: Path, tmp_path: Path) -> None:
+    write = writer(kind)
+    robot = {} if kind == "webdataset" else {"robot": "g1"}
+    found = packs.clips_of(batch_of_wave(data, tmp_path))
+    text = found["wave"].read_text().split("\n")
+    found["wave"].write_text("\n".join(text[:10]) + "\n")
+    with pytest.raises(retarget.InputError, match=r"wave\.csv: has changed since the batch"):
+        write(found, tmp_path / "set", **robot)
+    write(dict(found), tmp_path / "set", **robot)
+
+
+def test_end_effectors_of_the_command(data: Path, tmp_path: Path) -> None:
+    need("pyarrow")
+    from retarget.packs.__main__ import main
+
+    words = ["motion_v1", str(batch_of_wave(data, tmp_path, "unitree_h1")), str(tmp_path / "set")]
+    assert main([*words, "--robot", "unitree_h1"]) == 1
+    hands = ["left_elbow_link", "right_elbow_link"]
+    assert main([*words, "--robot", "unitree_h1", "--end-effectors", *hands]) == 0
+    import pyarrow.parquet as parquet
+
+    file = next((tmp_path / "set").rglob("*.parquet"))
+    assert parquet.ParquetFile(file).read()["ee_link_names"].to_pylist() == [hands]
 
 
 @pytest.mark.parametrize("kind", ["lerobot", "motion_v1"])

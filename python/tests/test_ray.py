@@ -313,6 +313,14 @@ def test_no_clip_lies_in_the_folder_of_its_pack(data: Path, tmp_path: Path) -> N
         run(tmp_path / "in", tmp_path / "out", pack="lerobot")
 
 
+def test_a_foreign_file_in_the_folder_of_the_pack_is_found_first(data: Path, tmp_path: Path) -> None:
+    (tmp_path / "out/lerobot").mkdir(parents=True)
+    (tmp_path / "out/lerobot/notes.txt").write_text("mine")
+    with pytest.raises(retarget.UsageError, match='"notes.txt" in it is not of a pack'):
+        run(data / "wave.bvh", tmp_path / "out", pack="lerobot")
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["lerobot"]
+
+
 def test_errors(clips: Path, tmp_path: Path) -> None:
     with pytest.raises(retarget.UsageError, match="jobs is not an option"):
         run(clips, tmp_path / "out", jobs=2)

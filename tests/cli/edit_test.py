@@ -19,6 +19,10 @@ class Edit(ToolTest):
         self.assert_done(result)
         return self.folder / "edited.bvh"
 
+    def test_a_body_model_is_for_smpl_motions(self):
+        self.assert_fails(self.run_tool("edit", "mirror", sample("walk"), "--smpl-model", "none.npz", "-o", "x.bvh"), 2,
+                          "--smpl-model applies only to SMPL motions")
+
     def test_edits_without_effect_give_the_same_robot_motion(self):
         expected = self.robot_rows(sample("walk"))
         for arguments in (("rest", sample("walk"), "--like", sample("wave")),

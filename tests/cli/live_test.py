@@ -320,6 +320,26 @@ class Sockets(LiveTest):
         self.assertRegex(messages, r"latency .*p99 [\d.]+ ms")
         self.assertGreater(len(read_rows((self.folder / "live.csv").read_text())), 80)
 
+    def test_packets_of_another_program_are_named(self):
+        process, port = self.listen(extras="?format=vmc")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for _ in range(10):
+                sender.sendto(b"/tracking/trackers/1/position\0\0\0,f\0\0\0\0\0\0", ("127.0.0.1", port))
+                time.sleep(0.02)
+        time.sleep(0.3)
+        _, messages = self.end(process)
+        self.assertRegex(messages, r"packets +10, 10 malformed")
+        self.assertRegex(messages, r"stream +no frame of the stream is usable: 10 of 10 packets malformed, the first "
+                         r"one: expected messages such as /VMC/Ext/Bone/Pos, found /tracking/trackers/1/position")
+
+    def test_the_format_that_packets_have_is_named(self):
+        process, port = self.listen(extras="?format=smplx")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.sendto(b'{"skeleton": []}', ("127.0.0.1", port))
+        time.sleep(0.3)
+        _, messages = self.end(process)
+        self.assertRegex(messages, r"the input looks like lines: use udp:[0-9.]+:[0-9]+\?format=lines")
+
     def test_a_connection_after_another(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         text = self.played("lines")

@@ -90,6 +90,16 @@ TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   }
 }
 
+TEST(SmplxLines, WithoutFrameAndBodyAreMalformed) {
+  const auto decoder = stream_decoder("smplx");
+  KeptStream kept;
+  for (const char* line : {"{}", R"({"foo": 1})", R"({"time": 1.5, "joints": [0, 0, 0]})"}) {
+    EXPECT_FALSE(decoder->take(line, kept)) << line;
+  }
+  EXPECT_TRUE(kept.skeletons.empty());
+  EXPECT_TRUE(decoder->take(R"({"gender": "male"})", kept));
+}
+
 TEST(SmplxLines, PlayAFileUnchanged) {
   const auto read = value_of(read_smpl(Motion().npz(), "motion.npz"));
   ASSERT_FALSE(format_of("smplx").plays_human(read.clip));

@@ -147,6 +147,11 @@ TEST(Vmc, RejectsMalformedPackets) {
   }
   EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Blend/Val", "Joy", {0.5F}), nothing));
   EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Bone/Pos", "Tail", {1}), nothing));
+  // Other messages of a bundle are ignored, packets of other programs are not.
+  const std::string tracker = osc_message("/tracking/trackers/1/position", "", {0, 1, 0});
+  EXPECT_TRUE(decoder->take(bundle_of({tracker, osc_message("/VMC/Ext/Blend/Val", "Joy", {0.5F})}),
+                            nothing));
+  EXPECT_FALSE(decoder->take(tracker, nothing));
 }
 
 TEST(Osc, KeepsTheOrderOfTextsAndNumbers) {

@@ -42,6 +42,8 @@ def pack_passed(folder: Path, robot: str, kind: str, options: Mapping[str, Any],
     if units := units_of_keywords(batch or {}):
         clips.csv_units = {name: units for name, file in clips.items()
                            if file.suffix.lower() == ".csv"}
+    if variant := (batch or {}).get("dof"):
+        clips.variants = dict.fromkeys(clips, variant)
     contents = _contents(folder, kind, options, clips)
     record = folder / FOLDER / f"{kind}.json"
     target = folder / kind
@@ -71,4 +73,6 @@ def _contents(folder: Path, kind: str, options: Mapping[str, Any],
         contents["csv_rates"] = sorted(set(clips.csv_rates.values()))
     if clips.csv_units:
         contents["csv_units"] = sorted(next(iter(clips.csv_units.values())).items())
+    if clips.variants:
+        contents["dof"] = sorted(set(clips.variants.values()))
     return json.dumps(contents, default=str)

@@ -19,6 +19,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--ending", help="end of the files to take, such as .mjlab.npz")
     parser.add_argument("--max-bytes", type=int, help="largest size of a part; not for motion_v1")
     parser.add_argument("--max-clips", type=int, help="largest number of clips in a part")
+    parser.add_argument("--end-effectors", nargs="+", metavar="BODY",
+                        help="bodies whose poses motion_v1 stores (default: the wrists of the G1)")
     parser.add_argument("--replace", action="store_true", help="replace an earlier pack")
     given = {name: value for name, value in vars(parser.parse_args(arguments)).items()
              if value is not None}
@@ -27,8 +29,6 @@ def main(arguments: list[str] | None = None) -> int:
     if unknown:
         parser.error(f"--{min(unknown).replace('_', '-')} is not an option of this kind")
     try:
-        if "robot" in given:
-            given["robot"] = retarget.Robot(given["robot"])
         robot = given.get("robot")
         clips = packs.clips_of(given.pop("batch"), given.pop("ending", None), robot)
         robots = sorted(set(clips.robots.values()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -39,6 +40,10 @@ class BatchClips(dict[str, Path]):
         """Frames per second of CSVs, which do not state them, by name, as the batch recorded."""
         self.csv_units: dict[str, dict[str, str]] = {}
         """Options of load_motion() for CSVs in degrees or centimetres, by name, as recorded."""
+        self.variants: dict[str, str] = {}
+        """Variants of the robots (`dof`) whose joints the files have, by name, as recorded."""
+        self.hashes: dict[str, str] = {}
+        """SHA-256 of the files, by name, as recorded."""
         self.robots: dict[str, str] = {}
         """Names of the robots, as recorded."""
         self.left_out: dict[str, str] = {}
@@ -49,8 +54,8 @@ class BatchClips(dict[str, Path]):
 class _Entry:
     """A line of the manifest of a batch."""
 
-    files: list[str]
-    """Relative to the folder of the batch."""
+    hashes: dict[str, str]
+    """SHA-256 of the files, by path relative to the folder of the batch."""
     robot: str
     fps: float
     options: str
@@ -90,21 +95,25 @@ def clips_of(folder: StrPath, ending: str | None = None,
             raise _same_clip(str(clips[name].relative_to(folder)), line)
         clips[name] = folder / line
         names[line] = name
-    units = _csv_units(folder)
+    runs = _recorded_options(folder)
     for entry in _entries(folder):
-        taken = [file for file in entry.files if file in names]
+        taken = [file for file in entry.hashes if file in names]
         if len(taken) > 1:
             raise _same_clip(*taken[:2])
         for file in taken:
             name = names[file]
+            clips.hashes[name] = entry.hashes[file]
             if entry.robot:
                 clips.robots[name] = entry.robot
+            options = runs.get(entry.options, {})
+            if variant := options.get("dof"):
+                clips.variants[name] = variant
             if not file.lower().endswith(".csv"):
                 continue
             if entry.fps > 0:
                 clips.csv_rates[name] = entry.fps
-            if entry.options in units:
-                clips.csv_units[name] = units[entry.options]
+            if options:
+                clips.csv_units[name] = _units_of(options)
     if robot is not None:
         _leave_out_others(clips, robot)
     return clips
@@ -134,11 +143,13 @@ def _same_clip(a: str, b: str) -> UsageError:
     return UsageError(f'"{a}" and "{b}" are of the same clip; {hint}')
 
 
-def _csv_units(folder: Path) -> dict[str, dict[str, str]]:
-    """Returns the options of load_motion() that the units of CSVs need, by key of options.json."""
+def _recorded_options(folder: Path) -> dict[str, dict[str, str]]:
+    """Returns the options of the runs of a batch, by key of options.json."""
     try:
         runs = json.loads((folder / "options.json").read_bytes())
-        return {run["options_hash"]: _units_of(run["options"]) for run in runs}
+        # The variant of the robot is not in "options".
+        return {run["options_hash"]: {**run["options"], "dof": str(run.get("dof") or "")}
+                for run in runs}
     except (AttributeError, KeyError, OSError, TypeError, ValueError):
         return {}  # Of an older version, or damaged: units are then detected.
 
@@ -182,8 +193,8 @@ def _entries(folder: Path) -> Iterator[_Entry]:
         table = read_manifest(folder, ["outputs", "robot", "fps"])
         for batch in table.to_batches():
             for row in batch.to_pylist():
-                yield _Entry([each["file"] for each in row["outputs"] or []], row["robot"] or "",
-                             row["fps"] or 0.0, "")
+                hashes = {each["file"]: each["hash"] or "" for each in row["outputs"] or []}
+                yield _Entry(hashes, row["robot"] or "", row["fps"] or 0.0, "")
 
 
 def _entry_of_line(line: bytes) -> _Entry | None:
@@ -191,13 +202,31 @@ def _entry_of_line(line: bytes) -> _Entry | None:
     try:
         entry = json.loads(line)
         # A name that is not UTF-8 has its bytes beside it.
-        files = [output["file"] if output.get("file_hex") is None else
-                 bytes.fromhex(output["file_hex"]).decode(errors="surrogateescape")
-                 for output in entry["outputs"]]
-        return _Entry(files, str(entry.get("robot") or ""), float(entry.get("fps") or 0.0),
+        hashes = {output["file"] if output.get("file_hex") is None else
+                  bytes.fromhex(output["file_hex"]).decode(errors="surrogateescape"):
+                  str(output.get("hash") or "") for output in entry["outputs"]}
+        return _Entry(hashes, str(entry.get("robot") or ""), float(entry.get("fps") or 0.0),
                       str(entry.get("options_hash") or ""))
     except (AttributeError, KeyError, TypeError, ValueError):
         return None
+
+
+def check_unchanged(clips: Clips, name: str, source: Source) -> None:
+    """Compares a file of a batch with the recorded hash.
+
+    Raises:
+        InputError: the file has changed since the batch.
+    """
+    recorded = clips.hashes.get(name) if isinstance(clips, BatchClips) else None
+    if not recorded or isinstance(source, _retarget.Motion):
+        return
+    try:
+        found = hashlib.sha256(Path(source).read_bytes()).hexdigest()
+    except OSError:
+        return  # The reader of the file states the error.
+    if recorded != f"sha256:{found}":
+        raise InputError(f"{os.fspath(source)}: has changed since the batch wrote it; run the "
+                         "batch again, or give the files as a dictionary", file=os.fspath(source))
 
 
 def ascending(clips: Clips) -> Iterator[tuple[str, Source]]:
@@ -239,15 +268,10 @@ class MotionReader:
     contradict.
     """
 
-    # Of a batch, by name.
-    _csv_rates: Mapping[str, float] = {}
-    _csv_units: Mapping[str, dict[str, str]] = {}
-    _robots: Mapping[str, str] = {}
-
     def __init__(self, robot: _retarget.Robot | StrPath | None, fps: float | None) -> None:
-        if robot is not None and not isinstance(robot, _retarget.Robot):
-            robot = _retarget.Robot(robot)
-        self.robot = robot
+        self._choice = None if isinstance(robot, _retarget.Robot) else robot
+        self.robot = robot if self._choice is None else _retarget.Robot(self._choice)
+        self._batch = BatchClips()
         self.fps = fps
         self._csv_fps = fps
         self.joint_names: list[str] | None = None
@@ -258,11 +282,11 @@ class MotionReader:
 
         Raises:
             UsageError: files without `robot`, or motions that differ in joints or frame rate.
-            InputError: a file that is not a motion of the robot.
+            InputError: a file that is not a motion of the robot, or has changed since the batch.
         """
         if isinstance(clips, BatchClips):
-            self._csv_rates, self._csv_units = clips.csv_rates, clips.csv_units
-            self._robots = clips.robots
+            self._batch = clips
+            self._take_recorded_variant()
         for name, source in ascending(clips):
             motion = self._motion(name, source)
             self._check(name, motion)
@@ -277,13 +301,24 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        recorded = self._robots.get(name, self.robot.name)
+        check_unchanged(self._batch, name, source)
+        recorded = self._batch.robots.get(name, self.robot.name)
         if recorded not in _names_of(self.robot):
             raise UsageError(f"clips[{name!r}]: the batch records a motion of {recorded}, but "
                              f"robot is {self.robot.name}; clips_of(..., robot=) takes only the "
                              "motions of one robot")
+        options = dict(self._batch.csv_units.get(name, {}))
+        if variant := self._batch.variants.get(name):
+            options["source_dof"] = variant
         return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
-                                    **self._csv_units.get(name, {}))
+                                    **options)
+
+    def _take_recorded_variant(self) -> None:
+        """Replaces a robot given by name by its variant that all files have."""
+        variants = {self._batch.variants.get(name, "") for name in self._batch}
+        variant = variants.pop() if len(variants) == 1 else ""
+        if variant and self._choice is not None:
+            self.robot = _retarget.Robot(self._choice, dof=variant)
 
     def _rate(self, name: str, source: StrPath) -> float | None:
         """Returns the rate of a CSV; None: the file or its sidecar has a rate."""
@@ -292,8 +327,8 @@ class MotionReader:
             return None
         sidecar = Path(file + ".json")
         if self._csv_fps is None:
-            return None if sidecar.is_file() else self._csv_rates.get(name)
-        recorded = _rate_in(sidecar) or self._csv_rates.get(name, self._csv_fps)
+            return None if sidecar.is_file() else self._batch.csv_rates.get(name)
+        recorded = _rate_in(sidecar) or self._batch.csv_rates.get(name, self._csv_fps)
         if not np.isclose(recorded, self._csv_fps, rtol=1e-6):
             raise UsageError(f"clips[{name!r}]: {recorded:g} frames per second recorded, but fps "
                              f"is {self._csv_fps:g}; omit fps to take the recorded rate")

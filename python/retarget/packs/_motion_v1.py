@@ -65,24 +65,23 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
     arrow()
     reader = MotionReader(robot, fps)
     done = []
+    sequences: set[str] = set()
     with new_folder(folder, replace) as unfinished:
         for number, part in enumerate(parts(reader.motions(clips), lambda _: 0, 1, max_clips)):
             name = f"part-{number:06d}"
             for clip in part:
                 robots_name = robot_name or reader.robot.name or Path(reader.robot.model).stem
-                file = _path(unfinished / name, clip.name, robots_name)
-                if file.exists():
-                    raise UsageError(f"clips: two names become the sequence "
-                                     f"{file.parent.parent.name!r}, the second one is "
-                                     f"{clip.name!r}")
+                sequence = clip.name.replace("/", "__")
+                if sequence in sequences:
+                    raise UsageError(f"clips: two names become the sequence {sequence!r}, the "
+                                     f"second one is {clip.name!r}")
+                sequences.add(sequence)
+                file = (unfinished / name / f"sequence_id={sequence}" /
+                        f"robot_name={robots_name}" / FILE)
                 links = _end_effectors(reader.robot, end_effectors)
                 write_table(_table(clip, links, source_dataset), file)
             done.append(Path(folder) / name)
     return done
-
-
-def _path(part: Path, name: str, robot: str) -> Path:
-    return part / f"sequence_id={name.replace('/', '__')}" / f"robot_name={robot}" / FILE
 
 
 def _end_effectors(robot: _retarget.Robot, names: Sequence[str] | None) -> dict[str, int]:

@@ -32,14 +32,11 @@ def new_folder(folder: str | os.PathLike[str], replace: bool) -> Iterator[Path]:
         replace: replace an earlier pack or an empty folder; otherwise the folder is an error.
 
     Raises:
-        UsageError: the folder exists, or has a file that is not of a pack.
+        UsageError: as for check_target().
         RunError: it cannot be made or moved.
     """
     target = Path(os.path.abspath(folder))
-    if target.exists() and not (replace and target.is_dir()):
-        raise UsageError(f'"{target}" exists; replace=True replaces a pack')
-    if (foreign := _foreign_file(target)) is not None:
-        raise UsageError(f'"{target}" is not replaced: "{foreign}" in it is not of a pack')
+    check_target(target, replace)
     unfinished = target.with_name(f".{target.name}{UNFINISHED}")
     earlier = target.with_name(f".{target.name}.replaced")
     try:
@@ -57,6 +54,18 @@ def new_folder(folder: str | os.PathLike[str], replace: bool) -> Iterator[Path]:
         raise RunError(f"{target}: {error.strerror or error}", file=str(target)) from error
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def check_target(folder: Path, replace: bool) -> None:
+    """Checks that a pack can have this folder.
+
+    Raises:
+        UsageError: the folder exists, or has a file that is not of a pack.
+    """
+    if folder.exists() and not (replace and folder.is_dir()):
+        raise UsageError(f'"{folder}" exists; replace=True replaces a pack')
+    if (foreign := _foreign_file(folder)) is not None:
+        raise UsageError(f'"{folder}" is not replaced: "{foreign}" in it is not of a pack')
 
 
 def _foreign_file(folder: Path) -> str | None:

@@ -14,7 +14,7 @@ from typing import Any
 
 from retarget import _retarget
 from retarget._errors import RunError, UsageError
-from retarget.packs._clips import Clips, Source, StrPath, ascending
+from retarget.packs._clips import Clips, Source, StrPath, ascending, check_unchanged
 from retarget.packs._parts import new_folder, parts
 
 _BLOCK = 512
@@ -59,10 +59,12 @@ def write_webdataset(clips: Clips, folder: StrPath, *, format: str = "npz-mjlab"
 
     Raises:
         UsageError: names out of order, two clips with one key, bounds below 1, an existing folder.
+        InputError: a file has changed since the batch wrote it.
         RunError: a file cannot be read or written.
     """
     keys: dict[str, str] = {}
-    samples = (_sample(name, source, format, info, keys) for name, source in ascending(clips))
+    samples = (_sample(name, source, format, info, keys)
+               for name, source in _unchanged(clips))
     shards = []
     with new_folder(folder, replace) as unfinished:
         bound = max(min(max_bytes, 1), max_bytes - _END_OF_TAR)
@@ -72,6 +74,12 @@ def write_webdataset(clips: Clips, folder: StrPath, *, format: str = "npz-mjlab"
             _write_tar(unfinished / name, part)
             shards.append(Path(folder) / name)
     return shards
+
+
+def _unchanged(clips: Clips) -> Iterator[tuple[str, Source]]:
+    for name, source in ascending(clips):
+        check_unchanged(clips, name, source)
+        yield name, source
 
 
 def _sample(name: str, source: Source, format: str,

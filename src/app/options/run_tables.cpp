@@ -162,7 +162,7 @@ OptionTable source_table(SourceOptions& options) {
       option("smpl-model", options.smpl_model, kInputGroup, "FILE",
              "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
              "of the same height)",
-             {.file = OptionFile::kContent, .uses = kJudged | OptionUse::kInspect}),
+             {.file = OptionFile::kContent, .uses = kReading}),
       option("lenient", options.lenient, kInputGroup, "",
              "Keep the complete frames of a damaged file and report the dropped ones",
              {.uses = kReading}),

@@ -192,7 +192,7 @@ void LivePipeline::finish(double now) {
   pull(now_);
 }
 
-Result<void> LivePipeline::check_used(std::string_view format) const {
+Result<void> LivePipeline::check_used(const std::string& input, std::string_view format) const {
   // In lag mode, a short stream at clock pace ends before its first robot frame.
   const LiveStatistics now = statistics();
   const bool is_used = now.received > now.bad + now.late + now.doubled;
@@ -203,9 +203,9 @@ Result<void> LivePipeline::check_used(std::string_view format) const {
   if (!session_ && !refused_why_.empty()) why += "; no human: " + refused_why_;
   if (!session_ && calibrates_) why += "; the input ended before the calibration";
   const std::string_view likely = likely_format(malformed_head_);
-  if (likely.empty() || likely == format) return input_failure("stdin", why);
-  return input_failure("stdin", why,
-                       fmt::format("the input looks like {0}: use stdin?format={0}", likely));
+  if (likely.empty() || likely == format) return input_failure(input, why);
+  return input_failure(input, why,
+                       fmt::format("the input looks like {0}: use {1}?format={0}", likely, input));
 }
 
 LiveStatistics LivePipeline::statistics() const {

@@ -73,10 +73,11 @@ class LivePipeline final {
   /// Ends the input and emits the remaining frames.
   void finish(double now);
 
-  /// Why the packets of an input that has ended gave no robot frame; no error if they gave any, or
+  /// Why the packets of an input gave no robot frame; no error if they gave any, or
   /// if there are none.
+  /// @param input   address of the input, without its format.
   /// @param format  name of the stream's format.
-  [[nodiscard]] Result<void> check_used(std::string_view format) const;
+  [[nodiscard]] Result<void> check_used(const std::string& input, std::string_view format) const;
 
   [[nodiscard]] const PipelineStatistics& packets() const { return packets_; }
   [[nodiscard]] LiveStatistics statistics() const;

@@ -357,7 +357,11 @@ Result<ServeSummary> Server::run() {
     if (auto kept = recorder_->finish(); !kept && summary_.written) summary_.written = kept;
   }
   if (!ran) return failure(ran.error());
-  if (has_ended_) RETARGET_TRY(pipeline_->check_used((*find_stream_format(from_.format))->name));
+  const bool is_pipe = from_.transport == Transport::kStdin;
+  const auto used = pipeline_->check_used(is_pipe ? "stdin" : from_.text(),
+                                          (*find_stream_format(from_.format))->name);
+  if (!used && has_ended_) return failure(used.error());
+  if (!used) summary_.unused = used.error();
   summary_.outputs = outputs_.statistics();
   summary_.live = pipeline_->statistics();
   summary_.latency = {latency_.percentile(50.0), latency_.percentile(99.0), latency_.max()};

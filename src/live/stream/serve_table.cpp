@@ -196,6 +196,10 @@ std::vector<std::pair<std::string, std::string>> serve_summary_lines(const Serve
       "packets",
       fmt::format("{}, {} malformed; frames {} lost, {} late, {} doubled, {} bad", packets.packets,
                   packets.malformed, live.lost, live.late, live.doubled, live.bad));
+  if (summary.unused) {
+    const Error& why = *summary.unused;
+    lines.emplace_back("stream", why.hint.empty() ? why.message : why.message + "; " + why.hint);
+  }
   lines.emplace_back("robot",
                      fmt::format("{}: {} held, {} limited in speed or acceleration; {}",
                                  count_text(live.robot_frames, "frame"), live.held, live.limited,

@@ -143,6 +143,11 @@ Result<void> SmplxDecoder::take(std::string_view bytes, StreamSink& sink) {
   RETARGET_TRY_ASSIGN(const PacketJson line, parse_json_line(bytes));
   const bool is_frame = find_member(line, {"global_orient", "root_orient", "body_pose", "pose_body",
                                            "poses", "transl", "trans"}) != nullptr;
+  const bool is_body =
+      find_member(line, {"betas", "gender", "height", "rest_offsets", "up"}) != nullptr;
+  if (!is_frame && !is_body) {
+    return bad_packet("expected a frame with \"body_pose\" or a body with \"betas\"");
+  }
   // A body is accepted once or from a separate line, because shape estimates change with every
   // frame.
   if (!has_skeleton_ || !is_frame) {

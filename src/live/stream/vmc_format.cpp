@@ -102,6 +102,13 @@ class VmcDecoder final : public Decoder {
 
 Result<void> VmcDecoder::take(std::string_view bytes, StreamSink& sink) {
   RETARGET_TRY_ASSIGN(const auto messages, read_osc(bytes));
+  const auto is_of_others = [](const OscMessage& message) {
+    return !message.address.starts_with("/VMC/");
+  };
+  if (!messages.empty() && std::ranges::all_of(messages, is_of_others)) {
+    return input_failure({}, fmt::format("expected messages such as /VMC/Ext/Bone/Pos, found {}",
+                                         messages.front().address));
+  }
   time_before_ = frame_.time;
   frames_ = 0;
   for (const OscMessage& message : messages) RETARGET_TRY(take_message(message, sink));

@@ -3,68 +3,14 @@
 #include <mujoco/mujoco.h>
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/shape_distance.h"
-#include "retarget/text.h"
+#include "robot/anatomy/finger_names.h"
 
 namespace retarget {
 namespace {
-
-struct FingerWords {
-  Finger finger;
-  std::vector<std::string_view> words;
-};
-
-// Parts of names between separators, as of LEAP's (`if_bs`) and Shadow's hands (`FFJ3`).
-struct FingerLetters {
-  Finger finger;
-  std::string_view alone, before_j;
-};
-constexpr std::array kFingerLetters = {
-    FingerLetters{Finger::kThumb, "th", "thj"}, FingerLetters{Finger::kIndex, "if", "ffj"},
-    FingerLetters{Finger::kMiddle, "mf", "mfj"}, FingerLetters{Finger::kRing, "rf", "rfj"},
-    FingerLetters{Finger::kLittle, "lf", "lfj"}};
-
-std::optional<Finger> finger_of_letters(const std::string& lower) {
-  for (std::size_t begin = 0; begin <= lower.size();) {
-    const std::size_t end = std::min(lower.find_first_of("_-. ", begin), lower.size());
-    const std::string_view part = std::string_view(lower).substr(begin, end - begin);
-    for (const FingerLetters& letters : kFingerLetters) {
-      if (part == letters.alone || part.starts_with(letters.before_j)) return letters.finger;
-    }
-    begin = end + 1;
-  }
-  return std::nullopt;
-}
-
-const std::vector<FingerWords>& finger_words() {
-  static const std::vector<FingerWords> kWords = {{Finger::kThumb, {"thumb"}},
-                                                  {Finger::kIndex, {"index", "forefinger"}},
-                                                  {Finger::kMiddle, {"middle", "mid_", "_mid"}},
-                                                  {Finger::kRing, {"ring"}},
-                                                  {Finger::kLittle, {"pinky", "pinkie", "little"}}};
-  return kWords;
-}
-
-// Rejects "ring" inside "spring" and "string".
-bool has_finger_word(const std::string& name, std::string_view word) {
-  const std::size_t at = name.find(word);
-  if (at == std::string::npos) return false;
-  return word != "ring" || at == 0 || (name[at - 1] != 'p' && name[at - 1] != 't');
-}
-
-std::optional<Finger> finger_of(const std::string& name) {
-  const std::string lower = lower_case(name);
-  for (const auto& [finger, words] : finger_words()) {
-    for (const std::string_view word : words) {
-      if (has_finger_word(lower, word)) return finger;
-    }
-  }
-  return finger_of_letters(lower);
-}
 
 class HandFinder {
  public:
@@ -241,7 +187,7 @@ HandFinder::Branch HandFinder::branch(int first) const {
     const RobotJoint& joint = robot_.joints()[tree_.links()[link].joint];
     // Bodies first: renaming one does not change the columns of motions.
     for (const std::string* name : {&robot_.bodies()[joint.body].name, &joint.name}) {
-      if (!found.named) found.named = finger_of(*name);
+      if (!found.named) found.named = finger_of_name(*name);
     }
   }
   const Pose palm_from_last =
