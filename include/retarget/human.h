@@ -233,12 +233,13 @@ struct Calibration {
   std::string description;      ///< Human-readable: the assumptions.
   std::vector<Warning> doubts;  ///< Reasons why the result may be wrong.
 
-  std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`, `given`, `scaled` (to a
-                          ///< given height) or `unknown`.
-  SignedAxis up;          ///< Up axis of the file.
-  SignedAxis forward;     ///< Axis of the file nearest to the facing in the rest pose.
-  std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`, `lafan1`, or
-                          ///< `lafan1 axes` for a body of another height.
+  std::string unit;  ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`, `given`, `scaled` (to a
+                     ///< given height) or `unknown`.
+  SignedAxis up;     ///< Up axis of the file.
+  bool up_is_uncertain = false;  ///< A warning in `doubts` says why.
+  SignedAxis forward;            ///< Axis of the file nearest to the facing in the rest pose.
+  std::string rest_pose;        ///< `zero pose`, `frame 12`, `T-pose file`, `learned`, `lafan1`, or
+                                ///< `lafan1 axes` for a body of another height.
   double rest_deviation = 0.0;  ///< Mean angle between limbs and trunk of that pose and the T-pose,
                                 ///< degrees; for `learned`, that of the best frame.
 };

@@ -62,6 +62,7 @@ struct QualitySource {
   std::span<const ContactEdit> contact_edits = {};
   /// Seconds of the motion per second of the source. Contacts are detected at the source's speed.
   double pace = 1.0;
+  bool up_is_uncertain = false;  ///< See Calibration::up_is_uncertain.
 };
 
 /// Options of measure_quality() and add_dynamics().
@@ -125,6 +126,7 @@ struct MeasuredSource {
   std::optional<TravelReport> travel;      ///< See Plan::travel.
   std::optional<TimeScale> time_scale;     ///< See Plan::time_scale.
   std::vector<ContactEdit> contact_edits;  ///< See Plan::contact_edits.
+  bool up_is_uncertain = false;            ///< See Calibration::up_is_uncertain.
 };
 
 /// Makes the source of a plan.

@@ -203,8 +203,8 @@ struct GateResult {
   std::string metric;
   std::optional<double> min, max;  ///< Bounds for the value, inclusive.
   std::optional<double> value;     ///< Empty: the metric was not measured.
-  /// True if the metric was not measured, except if the user named it (Gate::named); conditional
-  /// metrics may always be missing.
+  /// True if the metric was not measured, except if the user named it (Gate::named) or the source
+  /// lost its stances (QualityReport::lost_stances); conditional metrics may always be missing.
   bool passed = true;
 };
 
@@ -242,6 +242,9 @@ struct QualityReport {
   /// no joint, or the demand is unknown.
   std::optional<JointMostAtLimit> beyond_range;
   SourceContacts contacts;  ///< Heel and toe contacts of the source.
+  /// Whether the source has no stance although it is upright, without another support, for two
+  /// seconds or more, or although it may only seem to lie (Calibration::up_is_uncertain).
+  bool lost_stances = false;
   /// Joints at a limit in at least 5 % of the frames, most frames first; needs a source and a
   /// configuration.
   std::vector<LimitedJoint> limited_joints;

@@ -151,6 +151,20 @@ TEST(LostFrames, DoesNotNamePausesAndShortFreezes) {
   EXPECT_THAT(kept_freezes(frozen, kWhole, 1.0), IsEmpty());
 }
 
+// A detector repeats its last pose until the body is there again, on its way back.
+TEST(LostFrames, NamesFreezesOfABodyThatComesBack) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Vector3d turn(1.0 + 0.02 * std::abs(frame - 30), 0.0, 0.0);
+    for (auto& rotation : clip.rotations(frame)) rotation = exp_so3(turn);
+    clip.translations(frame)[0].setZero();
+  }
+  EXPECT_THAT(kept_freezes(clip, kWhole, 1.0), IsEmpty());
+  const Clip whole = clip;
+  for (int frame = 16; frame < 45; ++frame) copy_frame(whole, 15, clip, frame);
+  EXPECT_THAT(kept_freezes(clip, kWhole, 1.0), ElementsAre(FrameRange{15, 46}));
+}
+
 // All joints together turn by about 4 rad into the zero pose and out of it.
 void lose_body(Clip& clip, FrameRange frames, bool with_root) {
   for (int frame = frames.begin; frame < frames.end; ++frame) {

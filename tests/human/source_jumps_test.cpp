@@ -76,6 +76,19 @@ TEST(SourceJumps, NamesTeleportsAndReversals) {
   EXPECT_THAT(reversal.texts(), ElementsAre(HasSubstr("hips turn at 9")));
 }
 
+// Hips whose rotation was computed from noisy positions turn without the chest.
+TEST(SourceJumps, OfPositionsAreThoseOfTheWholeBody) {
+  Clip clip = recorded_clip("walk");
+  const auto spine = static_cast<std::size_t>(clip.skeleton().find("Spine").value());
+  const auto turn = exp_so3(Vector3d(0.0, 1.0, 0.0));
+  for (int frame = 100; frame < clip.frame_count(); ++frame) {
+    clip.rotations(frame)[0] = clip.rotations(frame)[0] * turn;
+    clip.rotations(frame)[spine] = turn.conjugate() * clip.rotations(frame)[spine];
+  }
+  EXPECT_EQ(jumps_of(clip, true).frames, 1);
+  EXPECT_EQ(jumps_of(clip, false).frames, 0);
+}
+
 TEST(SourceJumps, NamesTurnedThighsWithKnownRotations) {
   Clip clip = recorded_clip("walk");
   const auto thigh = static_cast<std::size_t>(clip.skeleton().find("LeftUpLeg").value());

@@ -124,7 +124,7 @@ TEST(MissingSurfaces, AreThoseThatOnlyTheSourceStandsOn) {
   const QualityOptions options;
   const auto missing = [&](const std::vector<char>& touches_scene) {
     QualityReport report;
-    measure_missing_surfaces({clip, options, report}, contacts, 150, {}, touches_scene);
+    measure_missing_surfaces({clip, options, report}, {}, contacts, 150, {}, touches_scene);
     return report.find("missing_surface_pct")->value;
   };
   EXPECT_NEAR(missing({}), 60.0, 3.0);
@@ -142,7 +142,7 @@ double missing_under_toe(const std::vector<ContactPhase>& phases,
   const RobotClip clip(load_g1(), {30, 1}, 100);
   QualityReport report;
   const QualityOptions options;
-  measure_missing_surfaces({clip, options, report}, contacts, 100, {}, {});
+  measure_missing_surfaces({clip, options, report}, {}, contacts, 100, {}, {});
   return report.find("missing_surface_pct")->value;
 }
 
@@ -163,6 +163,23 @@ TEST(MissingSurfaces, IncludeFlightsBetweenThem) {
   EXPECT_NEAR(missing_under_toe({{0, 30, 0.3}, {65, 95, 0.3}}), 100.0, 1e-9);
   EXPECT_NEAR(missing_under_toe({{0, 10, 0.0}, {10, 20, 0.3}, {60, 70, 0.3}}), 200.0 / 3.0, 1e-9);
   EXPECT_EQ(missing_under_toe({}), 0.0);
+}
+
+// No stance is known, but no robot flies for longer than a second.
+TEST(MissingSurfaces, CarryRobotsThatStayInTheAir) {
+  const RobotClip clip(load_g1(), {30, 1}, 100);
+  const QualityOptions options;
+  const auto missing = [&](int aloft, const std::vector<char>& touches_scene) {
+    BodyTracks tracks;
+    tracks.lowest.assign(100, {0.0, 0});
+    std::fill_n(tracks.lowest.begin() + 20, aloft, Lowest{0.3, 0});
+    QualityReport report;
+    measure_missing_surfaces({clip, options, report}, tracks, {}, 100, {}, touches_scene);
+    return report.find("missing_surface_pct")->value;
+  };
+  EXPECT_EQ(missing(30, {}), 0.0);
+  EXPECT_NEAR(missing(60, {}), 100.0, 1e-9);
+  EXPECT_EQ(missing(60, std::vector<char>(100, 1)), 0.0);
 }
 
 // A toe that moves slowly in a jump looks like a contact.
@@ -253,7 +270,7 @@ TEST(MissingSurfaces, MayBeSeats) {
   const QualityOptions options;
   const auto missing = [&](const std::vector<SeatRest>& found, const std::vector<char>& touches) {
     QualityReport report;
-    measure_missing_surfaces({clip, options, report}, contacts, 120, found, touches);
+    measure_missing_surfaces({clip, options, report}, {}, contacts, 120, found, touches);
     return report.find("missing_surface_pct")->value;
   };
   EXPECT_EQ(missing({}, {}), 0.0);

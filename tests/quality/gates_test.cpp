@@ -58,6 +58,19 @@ TEST(GatesTest, NamedGateMissesIfItsMetricIsNotMeasured) {
   EXPECT_FALSE(report.passed());
 }
 
+TEST(GatesTest, StancesMissTheirGatesIfTheyWereLost) {
+  Gates gates;
+  gates.set({"stance_slip_mean", std::nullopt, 0.002});
+  gates.set({"limb_angle_deg", std::nullopt, 15.0});
+  QualityReport report;
+  gates.judge(report);
+  EXPECT_TRUE(report.passed());
+  report.lost_stances = true;
+  gates.judge(report);
+  EXPECT_FALSE(report.passed());
+  EXPECT_TRUE(report.gates.back().passed);
+}
+
 TEST(GatesTest, GateOnInverseDynamicsNeedsThem) {
   Gates gates;
   gates.set({"com_acc_p99", std::nullopt, 20.0});

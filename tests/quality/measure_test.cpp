@@ -37,6 +37,29 @@ TEST_F(MeasureQuality, StandingRobotHasNoFaults) {
   EXPECT_THAT(report.faults, IsEmpty());
 }
 
+// Skates: no foot ever stands.
+TEST_F(MeasureQuality, NoticesLostStances) {
+  const auto measure_human = [&](double metres_per_second, int frames, bool up_is_uncertain) {
+    HumanClip human = standing_human(frames);
+    for (int frame = 0; frame < frames; ++frame) {
+      for (const Bone bone : kAllBones) {
+        Pose& pose = human.world_from_bone[static_cast<std::size_t>(frame)][bone];
+        pose.rotation = canonical_t_pose(bone);
+        pose.translation.x() += metres_per_second * frame / 30.0;
+      }
+    }
+    QualitySource source{.human = &human};
+    source.up_is_uncertain = up_is_uncertain;
+    return measure_quality(make(frames, [](int, auto) {}), robot_->model_limits(), &source);
+  };
+  EXPECT_FALSE(measure_human(0.0, 90, false).lost_stances);
+  EXPECT_FALSE(measure_human(0.0, 90, true).lost_stances);
+  EXPECT_TRUE(measure_human(1.0, 90, false).lost_stances);
+  // Too short to judge, unless the body may not lie.
+  EXPECT_FALSE(measure_human(1.0, 45, false).lost_stances);
+  EXPECT_TRUE(measure_human(1.0, 45, true).lost_stances);
+}
+
 // A rigidly dropped robot: root and centre of mass fall alike.
 TEST_F(MeasureQuality, MeasuresBodyAccelerations) {
   const QualityReport falling = measure(31, [](int frame, auto qpos) {

@@ -221,7 +221,11 @@ TEST(JointMotionTest, RejectsOtherArrays) {
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, values)),
               AllOf(HasSubstr("NaN in frame 1, joint 1"), HasSubstr("at most 30 frames")));
   EXPECT_THAT(joint_error(npy_doubles({0, 22, 3}, {})), HasSubstr("no frames"));
-  EXPECT_THAT(joint_error(npy_doubles({2, 22, 4}, counted(176))), HasSubstr("(2, 22, 4)"));
+  EXPECT_THAT(joint_error(npy_doubles({2, 22, 4}, counted(176))),
+              AllOf(HasSubstr("(2, 22, 4)"), HasSubstr("removes the confidence")));
+  EXPECT_THAT(joint_error(npy_doubles({2, 22, 2}, counted(88))), HasSubstr("no depth"));
+  EXPECT_THAT(joint_error(npy_doubles({20, 2, 17, 3}, counted(2040))),
+              HasSubstr("20 frames of 2 people"));
   EXPECT_THAT(joint_error(npy_doubles({2, 66}, counted(132))), HasSubstr("(frames, joints, 3)"));
   EXPECT_THAT(joint_error(npy("<f8", "(1152921504606846976, 22, 3)", "")), HasSubstr("shape"));
   ArrayReadOptions little;

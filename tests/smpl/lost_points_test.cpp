@@ -110,6 +110,29 @@ TEST(LostPoints, KeepACalibrationPoseAtTheOrigin) {
   EXPECT_EQ(starting.positions, moving);
 }
 
+// A person who walks passes a wrist's distance to the origin in a second.
+TEST(LostPoints, OfWalkersAreBridgedUpToASecond) {
+  const auto walking = [](int lost) {
+    JointMotion motion;
+    motion.frame_count = 200;
+    motion.joint_count = 1;
+    for (int frame = 0; frame < motion.frame_count; ++frame) {
+      motion.positions.emplace_back(0.05 * frame - 5.0, 0.2, 1.0);
+    }
+    for (int frame = 85; frame < 85 + lost; ++frame) lose(motion, frame, 0, 0.0);
+    return motion;
+  };
+  JointMotion motion = walking(30);
+  EXPECT_FALSE(bridge_lost_points(motion));
+  EXPECT_LT((motion.position(100, 0) - walking(0).position(100, 0)).norm(), 1e-12);
+  JointMotion longer = walking(31);
+  const auto gap = bridge_lost_points(longer);
+  ASSERT_TRUE(gap);
+  EXPECT_EQ(gap->joint, 0);
+  EXPECT_EQ(gap->frames.begin, 85);
+  EXPECT_EQ(gap->frames.end, 116);
+}
+
 TEST(LostPoints, KeepAJointThatBelongsAtTheOrigin) {
   JointMotion motion = going();
   for (int frame = 0; frame < kFramesWithGaps; ++frame) {

@@ -11,6 +11,7 @@
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "human/gait/centred_root.h"
 #include "human/gait/floor_tilt.h"
 #include "human/gait/repeated_frames.h"
 #include "human/gait/source_jumps.h"
@@ -84,8 +85,8 @@ void doubt_freezes(const Clip& clip, Plan& plan) {
   plan.clip_doubts.push_back(
       {0, 0,
        fmt::format(
-           "the source stands still in frames {} and jumps afterwards, as after a dropout of "
-           "the tracking system: {} kept, {} s",
+           "the source stops at once in frames {} and moves on at once, as in a dropout of the "
+           "tracking system: {} kept, {} s",
            list_names(places), count_text(frames, "equal frame"),
            number_text(frames * clip.rate().frame_time(), 2))});
 }
@@ -105,6 +106,16 @@ void doubt_limbs(const Clip& clip, Plan& plan) {
              "the {} does not move while the other limbs do: it was held still or not tracked",
              name)});
   }
+}
+
+void restore_height(Clip& clip, Plan& plan) {
+  const auto moved = restore_centred_height(clip, plan.part, plan.human.calibration);
+  if (!moved) return;
+  plan.clip_doubts.push_back(
+      {0, 0,
+       fmt::format("the root rests at one place: it is missing or centred; its height was restored "
+                   "from the lowest part of the body, by up to {} m, without jumps and travel",
+                   number_text(*moved, 2))});
 }
 
 // The rule of `auto` for the G1, by the robot's speed.
@@ -137,6 +148,7 @@ SourceNotes clean_source_frames(Clip& clip, const Options& options) {
   if (held > 0) {
     notes.held = fmt::format("{} interpolated", count_text(held, "repeated frame"));
   }
+  notes.swaps = undo_position_swaps(clip);
   notes.spikes = bridge_position_spikes(clip);
   notes.positions = clean_positions(clip);
   return notes;
@@ -164,8 +176,10 @@ void leave_out_lost_end(const Clip& clip, const Options& options, Plan& plan) {
 Result<void> clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   if (!may_clean(clip, plan.options)) return {};
   TRY_ASSIGN(const bool rides, stands_on_moving_body(clip, plan));
+  for (const std::string& swap : notes.swaps.kept) plan.clip_doubts.push_back({0, 0, swap});
   doubt_freezes(clip, plan);
   doubt_limbs(clip, plan);
+  if (!plan.scene) restore_height(clip, plan);
   CleanReport report =
       clean_clip(clip, plan.part, plan.human.calibration, notes.positions.foot_noise,
                  rides ? RootRule::kKept : RootRule::kFollowsFeet);
@@ -173,6 +187,7 @@ Result<void> clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   for (const std::string& note : {notes.held, notes.positions.note}) {
     if (!note.empty()) first.push_back(note);
   }
+  for (const std::string& swap : notes.swaps.undone) first.push_back(swap + ": undone");
   for (const std::string& spike : notes.spikes) first.push_back(spike + ": bridged");
   report.notes.insert(report.notes.begin(), first.begin(), first.end());
   if (!report.acted()) return {};
@@ -203,17 +218,16 @@ void doubt_jumps(const Clip& clip, Plan& plan) {
 }
 
 void doubt_level(const Clip& clip, Plan& plan) {
-  if (plan.options.human.up || is_of_robot(clip) || !plan.options.solve.scene.empty()) return;
+  if (is_of_robot(clip) || !plan.options.solve.scene.empty()) return;
   HumanPoser poser(clip, plan.human.calibration);
   const auto tilt = find_floor_tilt(poser, plan.part);
   if (!tilt) return;
   const Eigen::Vector3d up = plan.human.calibration.human_from_source.transpose() * tilt->up;
   plan.clip_doubts.push_back(
       {0, 0,
-       fmt::format(
-           "the floor is tilted by {:.0f} degrees: standing feet and the trunk agree; " OPTION(
-               "up") " {:.3f},{:.3f},{:.3f} levels the clip",
-           tilt->angle * 180.0 / std::numbers::pi, up.x(), up.y(), up.z())});
+       fmt::format("the floor is tilted by {:.0f} degrees: standing feet and the body above them "
+                   "agree; " OPTION("up") " {:.3f},{:.3f},{:.3f} levels the clip",
+                   tilt->angle * 180.0 / std::numbers::pi, up.x(), up.y(), up.z())});
 }
 
 Result<void> scale_source_travel(Clip& clip, Plan& plan) {

@@ -14,11 +14,12 @@ namespace retarget {
 struct SourceNotes {
   std::string held;                      ///< Interpolated frames that repeated a pose.
   PositionJitter positions = {};         ///< Smoothed joint positions.
+  SideSwaps swaps = {};                  ///< Exchanges of left and right in joint positions.
   std::vector<std::string> spikes = {};  ///< Interpolated spikes of joint positions.
 };
 
-/// Interpolates repeated frames and spikes of joint positions, and smooths noisy joint positions of
-/// a clip according to HumanOptions::clean, before its human is recognised.
+/// Interpolates repeated frames and spikes of joint positions, undoes exchanges of left and right,
+/// and smooths noisy joint positions of a clip according to HumanOptions::clean, before its human is recognised.
 [[nodiscard]] SourceNotes clean_source_frames(Clip& clip, const Options& options);
 
 /// Removes frames at the end of a clip in which the tracking was lost (count_lost_end_frames) from the
@@ -41,8 +42,7 @@ void leave_out_lost_end(const Clip& clip, const Options& options, Plan& plan);
 void doubt_jumps(const Clip& clip, Plan& plan);
 
 /// Warns if the floor of a plan's clip is tilted (find_floor_tilt). The warning contains the value of
-/// HumanOptions::up that levels the clip. Omitted for clips of robots, with scenes, and if the
-/// options contain an up direction.
+/// HumanOptions::up that levels the clip. Omitted for clips of robots and with scenes.
 /// @pre the plan's options, human and part are known
 void doubt_level(const Clip& clip, Plan& plan);
 

@@ -43,7 +43,8 @@ QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
           .scene = (lead_in ? measured.scene_with_lead_in : measured.scene).get(),
           // Their times count from the end of the lead-in.
           .contact_edits = lead_in ? std::span<const ContactEdit>() : measured.contact_edits,
-          .pace = constant_pace(measured.time_scale)};
+          .pace = constant_pace(measured.time_scale),
+          .up_is_uncertain = measured.up_is_uncertain};
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
@@ -93,6 +94,7 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.time_scale = plan.time_scale;
   source.contact_edits = plan.contact_edits;
   source.map = plan.human.map;
+  source.up_is_uncertain = plan.human.calibration.up_is_uncertain;
   TRY_ASSIGN(source.human, human_of(plan, source.fingers, source.scene));
   // Scaled time starts at the used part, so such a motion has no lead-in.
   if (plan.lead_in_frames == 0 || plan.time_scale) return source;
@@ -214,7 +216,8 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
                              .scene = motion.scene ? motion.scene->human.get() : nullptr,
                              .around_robot = world ? &*world : nullptr,
                              .contact_edits = plan.contact_edits,
-                             .pace = constant_pace(plan.time_scale)};
+                             .pace = constant_pace(plan.time_scale),
+                             .up_is_uncertain = plan.human.calibration.up_is_uncertain};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   // Tasks pull towards the human, so the motion must not be moved away from it.
   if (plan.options.save.normalize_start) {

@@ -189,6 +189,11 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
     if (!note.empty()) lines.push_back({"fit", note});
     lines.push_back({"missed", name + missed});
   }
+  if (report.lost_stances) {
+    lines.push_back({"stances", name +
+                                    "none were found, so they are not measured: check the up axis "
+                                    "(" OPTION("up") "), the floor and the path of the root"});
+  }
   const auto all = static_cast<long>(report.gates.size());
   std::string text =
       name +

@@ -27,7 +27,8 @@ namespace {
 
 constexpr const char* kFromRobotHint =
     "if it is a robot motion, " OPTION("from-robot") " NAME names the robot, such as unitree_g1; "
-    "retarget convert only changes its format";
+    "retarget convert only changes its format; joint positions are read from arrays: "
+    "docs/positions.md";
 
 std::optional<double> given_rate(const SourceOptions& options) {
   return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/option_name.h"
 #include "base/try.h"
 #include "formats/containers/npy.h"
 #include "formats/containers/npz.h"
@@ -68,11 +69,15 @@ Failure no_motion(const NpyArray& array, const std::string& file_name) {
                          "give the original joint positions (new_joints), or the output of "
                          "recover_from_ric: (frames, 22, 3)");
   }
+  const bool may_be_points = array.shape.size() == 2 && array.shape[1] % 3 == 0;
   return input_failure(file_name,
                        found +
                            "Motion-X has 322 columns, PHUMA 69, and joint positions are "
                            "(frames, joints, 3)",
-                       "save all arrays of a motion in one file with numpy.savez");
+                       may_be_points
+                           ? "reshape joint positions to (frames, joints, 3), or name the "
+                             "joints with " OPTION("joint-names")
+                           : "save all arrays of a motion in one file with numpy.savez");
 }
 
 }  // namespace

@@ -129,9 +129,19 @@ class PlacesReader {
           name_,
           fmt::format("expected joint positions, numbers of shape (frames, joints, 3) or MDM's "
                       "(samples, joints, 3, frames), found {}{}",
-                      array_.is_text() ? "text of " : "", shape_text(array_.shape)));
+                      array_.is_text() ? "text of " : "", shape_text(array_.shape)),
+          hint_of_shape());
     }
     layout_ = *layout;
+    if (may_hold_people()) {
+      return file_.array_failure(
+          name_,
+          fmt::format("its shape {} may be {} motions of {} frames, or {} frames of {} people",
+                      shape_text(array_.shape), layout_.samples, layout_.frames, layout_.samples,
+                      layout_.frames),
+          "save one person as (frames, joints, 3): numpy's array[:, 0] is the first of several "
+          "people in each frame");
+    }
     if (array_.element_count() == 0) {
       return file_.array_failure(name_, "it has no frames or no joints");
     }
@@ -144,6 +154,27 @@ class PlacesReader {
                                               : fmt::format("are {} names", motion_.names.size()),
                     are_own ? "the file's joint list" : "the file of " OPTION("joint-names")),
         "give one name per joint, in the order of the array");
+  }
+
+  // Explains arrays of detectors of key points.
+  [[nodiscard]] std::string hint_of_shape() const {
+    const std::vector<std::size_t>& shape = array_.shape;
+    if (!array_.is_number() || shape.size() < 3) return "";
+    if (shape.back() == 4) {
+      return "x, y, z and a confidence? numpy's array[..., :3] removes the confidence";
+    }
+    if (shape.back() == 2) {
+      return "points in an image have no depth; estimate the motion in 3-D first, for example with "
+             "GVHMR: docs/smpl.md";
+    }
+    return "";
+  }
+
+  // A few frames in many motions are rather a few people in many frames.
+  [[nodiscard]] bool may_hold_people() const {
+    constexpr std::size_t kMostPeople = 10;
+    return options_.take.empty() && !layout_.frames_last && layout_.frames <= kMostPeople &&
+           layout_.samples > kMostPeople;
   }
 
   Result<void> choose_sample() {
@@ -204,8 +235,20 @@ class PlacesReader {
         motion_.positions.push_back(place);
       }
     }
-    bridge_lost_points(motion_);
+    if (const auto lost = bridge_lost_points(motion_)) return missing_joint(*lost);
     return check_places();
+  }
+
+  Failure missing_joint(const LostPoint& lost) const {
+    const auto joint = static_cast<std::size_t>(lost.joint);
+    const std::string name = joint < motion_.names.size() ? " (" + motion_.names[joint] + ")" : "";
+    return file_.array_failure(
+        name_,
+        fmt::format("joint {}{} is missing in frames {} to {}: NaN, or three equal coordinates",
+                    joint, name, lost.frames.begin, lost.frames.end - 1),
+        fmt::format("missing joints are interpolated for at most {} frames; fill longer gaps, or "
+                    "split the motion there",
+                    kLongestBridge));
   }
 
   Result<void> check_places() const {

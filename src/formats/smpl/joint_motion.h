@@ -78,11 +78,18 @@ struct JointOrder {
 /// Longest gap that bridge_lost_points() fills, frames.
 inline constexpr int kLongestBridge = 30;
 
+/// A joint and the frames in which it is lost.
+struct LostPoint {
+  int joint = 0;
+  FrameRange frames;
+};
+
 /// Bridges frames in which a joint is lost by a straight line between those in which it is known. A
 /// joint is lost if its coordinates are NaN, or if it is exactly at the origin, far from its
 /// positions before and after. Bridges at most kLongestBridge frames. At the start or end, NaN
 /// stays, and a joint that jumps to the origin without the body keeps its nearest position. Adds
 /// warnings with the joints and the number of frames.
-void bridge_lost_points(JointMotion& motion);
+/// @return the first joint that is lost inside the motion for longer
+std::optional<LostPoint> bridge_lost_points(JointMotion& motion);
 
 }  // namespace retarget

@@ -246,11 +246,8 @@ class LostPoints {
         lost += hold(begin, end);
         continue;
       }
+      if (!is_lost(begin, end)) continue;
       const Vector3d before = place(begin - 1), after = place(end);
-      const double jump = std::min((before - place(begin)).norm(), (after - place(begin)).norm());
-      const bool has_numbers = place(begin).allFinite();
-      if (has_numbers && !is_certain(begin, end) && !(jump > 2.0 * (after - before).norm()))
-        continue;
       for (int frame = begin; frame < end; ++frame) {
         const double share = (frame - begin + 1.0) / (end - begin + 1.0);
         motion_.positions[motion_.index(frame, joint_)] = before + share * (after - before);
@@ -260,7 +257,29 @@ class LostPoints {
     return lost;
   }
 
+  // Returns the first gap inside the motion that is too long to be bridged.
+  [[nodiscard]] std::optional<FrameRange> long_gap() const {
+    for (int begin = 1, end = 0; begin < motion_.frame_count; begin = end) {
+      end = begin + 1;
+      if (!may_be_lost(begin)) continue;
+      while (end < motion_.frame_count && may_be_lost(end)) ++end;
+      if (may_be_lost(begin - 1) || end == motion_.frame_count) continue;
+      if (end - begin > kLongestBridge && is_lost(begin, end)) return FrameRange{begin, end};
+    }
+    return std::nullopt;
+  }
+
  private:
+  // Whether the joint is lost in a gap inside the motion, rather than at this place: it jumps away
+  // and returns.
+  [[nodiscard]] bool is_lost(int begin, int end) const {
+    constexpr double kFarther = 4.0;  // Than a step at the mean speed across the gap.
+    if (!place(begin).allFinite() || is_certain(begin, end)) return true;
+    const Vector3d before = place(begin - 1), after = place(end);
+    const double jump = std::min((before - place(begin)).norm(), (after - place(begin)).norm());
+    return jump > kFarther * (after - before).norm() / (end - begin + 1);
+  }
+
   // Holds the nearest place at the start or end of the motion if the joint jumps to a marker
   // there. NaN stays: it is an error. @return the number of frames
   int hold(int begin, int end) {
@@ -310,24 +329,29 @@ class LostPoints {
 
 }  // namespace
 
-void bridge_lost_points(JointMotion& motion) {
+std::optional<LostPoint> bridge_lost_points(JointMotion& motion) {
+  std::optional<LostPoint> too_long;
   const std::vector<char> marked = frames_with_markers(motion);
   std::vector<std::string> joints;
   int most = 0;
   for (int joint = 0; joint < motion.joint_count; ++joint) {
-    const int lost = LostPoints(motion, joint, marked).bridge();
+    LostPoints points(motion, joint, marked);
+    const int lost = points.bridge();
+    const auto gap = points.long_gap();
+    if (gap && !too_long) too_long = {joint, *gap};
     if (lost == 0) continue;
     const auto at = static_cast<std::size_t>(joint);
     joints.push_back(at < motion.names.size() ? motion.names[at] : std::to_string(joint));
     most = std::max(most, lost);
   }
-  if (joints.empty()) return;
+  if (joints.empty()) return too_long;
   motion.warnings.push_back(
       {0, 0,
        fmt::format(
            "{} untracked (NaN, or three equal coordinates such as 0) in up to {} of {} frames, "
            "interpolated or held: {}",
            count_text(joints.size(), "joint"), most, motion.frame_count, list_names(joints, 8))});
+  return too_long;
 }
 
 }  // namespace retarget

@@ -350,6 +350,15 @@ bool remake(Clip& clip, const std::vector<std::vector<Vector3d>>& tracks) {
 
 }  // namespace
 
+SideSwaps undo_position_swaps(Clip& clip) {
+  constexpr double kLeast = 0.06;  // Share of the body's extent: 10 cm.
+  if (!has_positions_only(clip)) return {};
+  std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);
+  SideSwaps found = undo_side_swaps(tracks, clip.skeleton().names(), kLeast * body_extent(tracks));
+  if (!found.undone.empty() && !remake(clip, tracks)) return {};
+  return found;
+}
+
 std::vector<std::string> bridge_position_spikes(Clip& clip) {
   constexpr double kLeast = 0.06;  // Share of the body's extent: 10 cm.
   if (!has_positions_only(clip)) return {};

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "human/gait/side_swaps.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 
@@ -41,6 +42,10 @@ enum class RootRule {
 /// @param foot_noise  of the clip's positions (clean_positions)
 CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
                        const FootNoise& foot_noise = {}, RootRule root = RootRule::kFollowsFeet);
+
+/// Undoes exchanges of left and right in a clip made from joint positions alone (undo_side_swaps).
+/// Then recomputes the rotations. Does not change other clips.
+[[nodiscard]] SideSwaps undo_position_swaps(Clip& clip);
 
 /// Interpolates over spikes of a clip made from joint positions alone (bridge_spikes for tracks).
 /// Then recomputes the rotations. Does not change other clips.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "human/gait/standing_balance.h"
 #include "retarget/so3.h"
 
 namespace retarget {
@@ -19,6 +20,8 @@ constexpr int kMostTiltSamples = 1000;
 constexpr double kStandingFoot = 0.15;                         // m/s
 constexpr double kStillFor = 0.1;                              // Seconds, for the speed of a foot.
 constexpr double kLeastTilt = 8.0 * std::numbers::pi / 180.0;  // rad
+constexpr double kLeastLean = 12.0 * std::numbers::pi / 180.0;
+constexpr double kMostLean = 45.0 * std::numbers::pi / 180.0;  // More is another up axis.
 constexpr double kTiltAgreement = 0.6;                         // Share of the tilt.
 constexpr std::size_t kLeastPoints = 20;
 // Root mean squares of the distances to the plane and within it, metres.
@@ -84,9 +87,8 @@ std::optional<Vector3d> normal_of(const std::vector<Vector3d>& points) {
   return normal.z() < 0.0 ? Vector3d(-normal) : normal;
 }
 
-}  // namespace
-
-std::optional<FloorTilt> find_floor_tilt(HumanPoser& poser, FrameRange part) {
+// The tilt of the floor on which toes stand, if the trunk leans alike.
+std::optional<FloorTilt> tilt_of_floor(HumanPoser& poser, FrameRange part) {
   const HumanClipInfo info = poser.info();
   const auto feet = standing_joints(info);
   if (!feet || !info.has(Bone::kHips) || !info.has(Bone::kNeck)) return std::nullopt;
@@ -98,6 +100,18 @@ std::optional<FloorTilt> find_floor_tilt(HumanPoser& poser, FrameRange part) {
   if (!(tilt > kLeastTilt && angle_between(trunk, up) > kLeastTilt)) return std::nullopt;
   if (!(angle_between(trunk, *normal) < kTiltAgreement * tilt)) return std::nullopt;
   return FloorTilt{*normal, tilt};
+}
+
+}  // namespace
+
+std::optional<FloorTilt> find_floor_tilt(HumanPoser& poser, FrameRange part) {
+  if (const auto tilt = tilt_of_floor(poser, part)) return tilt;
+  // Standing on one spot does not show a plane, but a body that does not fall is balanced.
+  const auto balance = find_balance(poser, part);
+  if (!balance) return std::nullopt;
+  const double tilt = angle_between(*balance, Vector3d::UnitZ());
+  if (!(tilt > kLeastLean && tilt < kMostLean)) return std::nullopt;
+  return FloorTilt{*balance, tilt};
 }
 
 }  // namespace retarget

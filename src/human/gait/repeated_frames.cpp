@@ -28,6 +28,21 @@ double turn_of_body(const Clip& clip, int frame) {
   return turn_between(clip, frame, frame + 1);
 }
 
+// Cosine between the rotations of all joints in the steps after two frames; -1: the body turns back.
+double likeness_of_steps(const Clip& clip, int a, int b) {
+  double product = 0.0, first = 0.0, second = 0.0;
+  for (std::size_t joint = 0; joint < clip.rotations(a).size(); ++joint) {
+    const auto step = [&](int frame) {
+      return log_so3(clip.rotations(frame)[joint].conjugate() * clip.rotations(frame + 1)[joint]);
+    };
+    product += step(a).dot(step(b));
+    first += step(a).squaredNorm();
+    second += step(b).squaredNorm();
+  }
+  const double lengths = std::sqrt(first * second);
+  return lengths > 0.0 ? product / lengths : 0.0;
+}
+
 bool equal_rotations(const Clip& clip, int a, int b) {
   const auto same = [](const Eigen::Quaterniond& p, const Eigen::Quaterniond& q) {
     return p.coeffs() == q.coeffs();
@@ -131,6 +146,7 @@ struct Freeze {
   double turned = 0.0;       // The same in the step after its last frame.
   double across = 0.0;       // The same from the frame before the run to the frame after it.
   double moved = 0.0;        // Translation in the step after its last frame.
+  double likeness = 0.0;     // likeness_of_steps() before and after the run.
   bool follows_one = false;  // The frame before it is frozen, too.
   double usual_turn = 0.0, usual_move = 0.0;
 
@@ -155,6 +171,13 @@ struct Freeze {
   [[nodiscard]] bool catches_up(double frame_time) const {
     return length() * frame_time <= kLongestFrozen && !is_off_the_way() &&
            turned > std::max(2.0, 0.4 * length()) * usual_turn;
+  }
+
+  // Whether the body stops at once and comes back at once: it has turned back meanwhile. In a pause
+  // of the recording it continues.
+  [[nodiscard]] bool comes_back() const {
+    constexpr double kShare = 0.7, kBack = -0.5;  // Of the usual step; cosine of 120 degrees.
+    return likeness < kBack && std::min(turned_in, turned) > kShare * usual_turn;
   }
 
   // Whether the body jumps, although it may have turned back meanwhile. The least sizes exclude
@@ -194,6 +217,7 @@ std::vector<Freeze> find_freezes(const Clip& clip, const std::vector<FrameRange>
     if (!(usual > 0.0)) continue;
     found.push_back({run, turn_of_body(clip, run.begin - 1), turn_of_body(clip, run.end - 1),
                      turn_between(clip, run.begin - 1, run.end), move_of_body(clip, run.end - 1),
+                     likeness_of_steps(clip, run.begin - 1, run.end - 1),
                      equal_rotations(clip, run.begin - 2, run.begin - 1), usual, median(moves)});
   }
   return found;
@@ -243,7 +267,7 @@ std::vector<FrameRange> kept_freezes(const Clip& clip, FrameRange part, double m
   for (const Freeze& freeze : find_freezes(clip, runs_of_equal_frames(clip, part), part)) {
     const double frame_time = clip.rate().frame_time();
     if (freeze.is_lost(frame_time) || freeze.catches_up(frame_time)) continue;
-    if (freeze.jumps(metres_per_unit)) kept.push_back(freeze.run);
+    if (freeze.jumps(metres_per_unit) || freeze.comes_back()) kept.push_back(freeze.run);
   }
   return kept;
 }

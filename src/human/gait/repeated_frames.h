@@ -33,9 +33,9 @@ int bridge_lost_frames(Clip& clip, FrameRange part);
 /// @return number of interpolated frames.
 int bridge_frozen_frames(Clip& clip, FrameRange part);
 
-/// Frozen frames that bridge_frozen_frames keeps although the body jumps afterwards, as after a
-/// dropout of a tracking system: its joints turn, or its root moves, by more than three times the
-/// median step around the freeze.
+/// Frozen frames that bridge_frozen_frames keeps although they are those of a dropout of a tracking
+/// system: the body jumps afterwards (its joints turn, or its root moves, by more than three times
+/// the median step around the freeze), or it stops at once and turns back at once.
 [[nodiscard]] std::vector<FrameRange> kept_freezes(const Clip& clip, FrameRange part,
                                                    double metres_per_unit);
 

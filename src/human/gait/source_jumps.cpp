@@ -36,6 +36,17 @@ double turn_of_thighs(const HumanPose& from, const HumanPose& to, const HumanCli
   return largest;
 }
 
+// Angle by which the hips turn. Rotations that were computed from positions are noisy: there, a
+// whole body turns.
+double turn_of_hips(const HumanPose& from, const HumanPose& to, const HumanClipInfo& info,
+                    bool of_positions) {
+  const auto turn = [&](Bone bone) {
+    return angle_of_step(from[bone].rotation, to[bone].rotation);
+  };
+  const double hips = turn(Bone::kHips);
+  return of_positions && info.has(Bone::kSpine2) ? std::min(hips, turn(Bone::kSpine2)) : hips;
+}
+
 constexpr std::size_t kAround = 2;  // Steps to either side.
 
 // Whether a step is an isolated jump. A frame of another pose is two such steps in a row.
@@ -64,9 +75,9 @@ StepRates rates_of_steps(HumanPoser& poser, FrameRange part, int stride, bool th
   poser.pose(part.begin, before);
   for (int frame = part.begin + stride; frame < part.end; frame += stride) {
     poser.pose(frame, now);
-    const Pose &from = before[Bone::kHips], &to = now[Bone::kHips];
-    rates.speeds.push_back(fps * (to.translation - from.translation).norm());
-    rates.turns.push_back(fps * angle_of_step(from.rotation, to.rotation));
+    const Eigen::Vector3d step = now[Bone::kHips].translation - before[Bone::kHips].translation;
+    rates.speeds.push_back(fps * step.norm());
+    rates.turns.push_back(fps * turn_of_hips(before, now, info, !thighs));
     rates.thighs.push_back(thighs ? fps * turn_of_thighs(before, now, info) : 0.0);
     std::swap(before, now);
   }

@@ -26,7 +26,8 @@ struct SourceJumps {
 /// step is more than three times as fast as those around it: spins, and video estimates of them,
 /// are fast for several frames. From 180 frames per second, steps are about 1/120 s, because
 /// noise would exceed these speeds.
-/// @param thighs  whether the rotations of the thighs are known
+/// @param thighs  whether the rotations of the thighs are known; otherwise those of the hips were
+///   computed from positions, too, and a turn is that of hips and chest
 [[nodiscard]] SourceJumps find_source_jumps(HumanPoser& poser, FrameRange part, bool thighs);
 
 }  // namespace retarget

@@ -99,6 +99,14 @@ bool is_stopped(const SourceFeet& source, int foot, int frame, double size) {
 
 }  // namespace
 
+double floor_below_lowest(const SourceFeet& source, int frame, double scale) {
+  const double toe = toe_over_floor(source, scale);
+  const double ankle = toe + (source.ankle_over_heel() > 0.0 ? 0.0 : kUsualRise * scale);
+  return std::min({lower_end(source, frame, kToeEnd) - toe,
+                   lower_end(source, frame, kHeelEnd) - ankle,
+                   floor_below_parts(source, frame, scale)});
+}
+
 // Collects slow feet with toes that satisfy `is_like_standing`.
 template <typename IsLikeStanding>
 void StandingHeightFinder::find_slow_feet(const SourceFeet& source, double speed,

@@ -26,6 +26,11 @@ inline constexpr double kAloft = 0.3;
 /// @param scale    scale of lengths, as ContactPlan::scale.
 [[nodiscard]] double rest_height(std::size_t support, double scale);
 
+/// Returns the height of the floor on which the lowest part of the body rests in a frame, metres;
+/// infinite for a body without known parts.
+/// @param scale  scale of lengths, as ContactPlan::scale.
+[[nodiscard]] double floor_below_lowest(const SourceFeet& source, int frame, double scale);
+
 /// find_standing_heights() for repeated use: keeps its memory.
 class StandingHeightFinder {
  public:

@@ -107,6 +107,7 @@ class Calibrator {
     Calibration result;
     TRY(has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result));
     result.up = movement_.up;
+    result.up_is_uncertain = up_is_uncertain_;
     const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
                               result.up == SignedAxis{} && tilt_degrees(result) == 0.0 &&
                               !options_.height;
@@ -170,7 +171,8 @@ class Calibrator {
       movement_.up = nearest_axis(*options_.up);
       up.doubt = doubt_stated_up(body_, movement_.poses, *options_.up, up);
     }
-    if (!up.doubt.empty()) doubt(std::move(up.doubt));
+    up_is_uncertain_ = !up.doubt.empty();
+    if (up_is_uncertain_) doubt(std::move(up.doubt));
   }
 
   // The up axis without the statement of the user.
@@ -384,6 +386,7 @@ class Calibrator {
   BoneArray<int> starts_, twist_joints_;  // Joints that turn bones at their start and inside.
   Movement movement_;
   std::vector<Warning> doubts_;
+  bool up_is_uncertain_ = false;
   std::string evidence_;  // for the rest pose
 };
 

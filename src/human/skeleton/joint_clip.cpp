@@ -365,9 +365,8 @@ std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::
       list_names(unknown), unknown.size() == 1 ? "itself" : "themselves"));
   constexpr double kSteadyLength = 0.02;
   if (const double change = limb_length_change(found.tree); change > kSteadyLength) {
-    texts.push_back(fmt::format(
-        "limb lengths vary by {:.0f} % (standard deviation); the positions are used unchanged",
-        100.0 * change));
+    texts.push_back(
+        fmt::format("limb lengths vary by {:.0f} % (standard deviation)", 100.0 * change));
   }
   std::vector<Warning> warnings;
   for (std::string& text : texts) warnings.push_back({0, 0, std::move(text)});

@@ -237,7 +237,8 @@ void settle_robot_up(const Clip& clip, const BoneMap& map,
   UpChoice choice = choose_up(body, poses, known);
   calibration.up = told ? nearest_axis(*told) : choice.axis;
   if (told) choice.doubt = doubt_stated_up(body, poses, *told, choice);
-  if (!choice.doubt.empty()) calibration.doubts.push_back({0, 0, std::move(choice.doubt)});
+  calibration.up_is_uncertain = !choice.doubt.empty();
+  if (calibration.up_is_uncertain) calibration.doubts.push_back({0, 0, std::move(choice.doubt)});
   const Eigen::Vector3d up = told.value_or(calibration.up.direction());
   if (up == Eigen::Vector3d::UnitZ()) return;
   calibration.human_from_source = z_up_from_file(up);

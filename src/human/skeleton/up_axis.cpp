@@ -324,9 +324,9 @@ class UpChooser {
     return standing_or_lying(guess_.axis, *other, choice.axis);
   }
 
-  // A body that moves head first without standing swims or crawls.
+  // A body that moves head first without standing swims or crawls. A centred one does not move.
   [[nodiscard]] UpChoice doubt_travel(UpChoice choice, const FloorEvidence& upright) const {
-    if (upright.standing()) return choice;
+    if (upright.standing() || !upright.is_placed) return choice;
     for (const SignedAxis& other : kCommonAxes) {
       if (other.axis == choice.axis.axis || !climbs_along(upright, floor(other))) continue;
       choice.doubt = fmt::format("the body climbs along {}, or swims or crawls: {}",

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/math/free_fall.h"
+#include "human/skeleton/body_masses.h"
 #include "human/skeleton/floor_slope.h"
 #include "retarget/human.h"
 #include "retarget/statistics.h"
@@ -17,19 +18,6 @@ namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
-
-// Approximate mass fractions around these joints.
-constexpr std::array<std::pair<Bone, double>, 11> kMasses = {{{Bone::kHips, 0.25},
-                                                              {Bone::kSpine2, 0.30},
-                                                              {Bone::kHead, 0.08},
-                                                              {Bone::kLeftLeg, 0.11},
-                                                              {Bone::kRightLeg, 0.11},
-                                                              {Bone::kLeftFoot, 0.04},
-                                                              {Bone::kRightFoot, 0.04},
-                                                              {Bone::kLeftForeArm, 0.03},
-                                                              {Bone::kRightForeArm, 0.03},
-                                                              {Bone::kLeftHand, 0.02},
-                                                              {Bone::kRightHand, 0.02}}};
 
 // The body's centre of mass, about 60 times a second.
 struct CentreTrack {
@@ -46,7 +34,7 @@ CentreTrack centre_track(const Clip& clip, const Body& body, int begin, double l
     const JointPoses pose = frame_pose(clip, frame);
     Vector3d sum = Vector3d::Zero();
     double mass = 0.0;
-    for (const auto& [bone, share] : kMasses) {
+    for (const auto& [bone, share] : kBodyMasses) {
       if (!body.has(bone)) continue;
       sum += share * pose[body.joint(bone)].translation;
       mass += share;

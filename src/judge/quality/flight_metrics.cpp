@@ -80,6 +80,7 @@ void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
 namespace {
 
 constexpr double kHovers = kSoleHigh;
+constexpr double kLongestFlight = 1.0;  // Seconds.
 
 // By frame: whether the source is in flight.
 std::vector<char> frames_in_flight(const std::vector<SourceFlight>& flights, int frames) {
@@ -192,7 +193,6 @@ Carriers find_carriers(const ContactPlan& contacts, int frames, const std::vecto
 
 // A flight between two surfaces of the same kind counts as a contact with the first one.
 void bridge_flights(double frame_time, Carriers& found) {
-  constexpr double kLongest = 1.0;  // Seconds.
   const int frames = static_cast<int>(found.of.size());
   const std::vector<Carrier> of = found.of;
   for_each_run(
@@ -201,20 +201,45 @@ void bridge_flights(double frame_time, Carriers& found) {
         const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last);
         if (of[begin] != Carrier::kNothing || first == 0 || last == frames) return;
         if (is_missing_surface(of[begin - 1]) != is_missing_surface(of[end])) return;
-        if ((last - first) * frame_time > kLongest) return;
+        if ((last - first) * frame_time > kLongestFlight) return;
         std::fill(found.of.begin() + first, found.of.begin() + last, of[begin - 1]);
         std::fill(found.raised.begin() + first, found.raised.begin() + last,
                   found.raised[begin - 1]);
       });
 }
 
+// A robot that stays in the air for longer than a flight is on a surface, even if the source has no
+// known support.
+void add_long_flights(const std::vector<Lowest>& lowest, const std::vector<char>& touches_scene,
+                      double frame_time, Carriers& found) {
+  const int frames = std::min(static_cast<int>(found.of.size()), static_cast<int>(lowest.size()));
+  const auto is_aloft = [&](int frame) {
+    const auto i = static_cast<std::size_t>(frame);
+    const bool on_scene = i < touches_scene.size() && touches_scene[i] != 0;
+    return !on_scene && std::isfinite(lowest[i].height) && lowest[i].height > kHovers;
+  };
+  for_each_run_where(0, frames, is_aloft, [&](int first, int last) {
+    if ((last - first) * frame_time <= kLongestFlight) return;
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      if (found.of[i] != Carrier::kNothing) continue;
+      found.of[i] = Carrier::kMissingSurface;
+      found.raised[i] = lowest[i].height;
+    }
+  });
+}
+
 }  // namespace
 
-void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
-                              const std::vector<SeatRest>& seats,
-                              const std::vector<char>& touches_scene) {
+std::vector<char> measure_missing_surfaces(const ReportBuilder& draft, const BodyTracks& tracks,
+                                           const ContactPlan& contacts, int frames,
+                                           const std::vector<SeatRest>& seats,
+                                           const std::vector<char>& touches_scene) {
   Carriers carriers = find_carriers(contacts, frames, seats, touches_scene);
-  bridge_flights(draft.clip.rate().frame_time(), carriers);
+  const double frame_time = draft.clip.rate().frame_time();
+  bridge_flights(frame_time, carriers);
+  std::vector<char> unknown;
+  for (const Carrier carrier : carriers.of) unknown.push_back(carrier == Carrier::kNothing ? 1 : 0);
+  add_long_flights(tracks.lowest, touches_scene, frame_time, carriers);
   FaultList faults("missing_surface_pct", "m");
   int missing = 0, known = 0;
   for (std::size_t i = 0; i < carriers.of.size(); ++i) {
@@ -231,6 +256,7 @@ void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& con
   draft.set("missing_surface_pct",
             percent(missing, std::max<double>(known, kLeastShare * static_cast<double>(frames))));
   faults.move_to(draft.report, draft.options.faults_per_metric);
+  return unknown;
 }
 
 }  // namespace retarget

@@ -55,10 +55,13 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
 /// frame to another one are included. Frames are compared with those in which the body is carried
 /// at all, or flies between contacts of the same kind: the higher a run is above the floor, the
 /// fewer contacts are known. These are at least a quarter of all frames: few known frames say
-/// little about a motion.
+/// little about a motion. Frames without a known support count as well while the robot stays in the
+/// air, more than 2 cm above the floor, for longer than a second.
 /// @param touches_scene  see measure_hovering().
-void measure_missing_surfaces(const ReportBuilder& draft, const ContactPlan& contacts, int frames,
-                              const std::vector<SeatRest>& seats,
-                              const std::vector<char>& touches_scene);
+/// @return by frame: whether no support of the source is known
+std::vector<char> measure_missing_surfaces(const ReportBuilder& draft, const BodyTracks& tracks,
+                                           const ContactPlan& contacts, int frames,
+                                           const std::vector<SeatRest>& seats,
+                                           const std::vector<char>& touches_scene);
 
 }  // namespace retarget

@@ -113,7 +113,8 @@ void Gates::judge(QualityReport& report) const {
       result.passed = (!result.min || found->value >= *result.min) &&
                       (!result.max || found->value <= *result.max);
     } else {
-      result.passed = !gate->named || metric.is_conditional;
+      const bool is_lost = report.lost_stances && metric.key.starts_with("stance_");
+      result.passed = !(gate->named || is_lost) || metric.is_conditional;
     }
     report.gates.push_back(result);
   }

@@ -99,6 +99,17 @@ struct SourceGround {
   double floor = 0.0;  // Height, metres. The floor of a scene is at 0.
 };
 
+// Whether a body that is upright has no known support for seconds.
+bool stands_on_nothing(const std::vector<char>& unsupported, const Posture& posture,
+                       const FrameRate& rate) {
+  constexpr double kSeconds = 2.0;
+  int frames = 0;
+  for (std::size_t i = 0; i < unsupported.size(); ++i) {
+    if (unsupported[i] != 0 && posture.is_upright(static_cast<int>(i))) ++frames;
+  }
+  return frames * rate.frame_time() >= kSeconds;
+}
+
 // Compares the robot's contacts with floor and scene with those of its source.
 void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
                       const QualitySource& source, const SourceGround& ground,
@@ -126,7 +137,11 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   measure_hovering(draft, tracks, feet, contacts, flights, touches_scene, scale.value_or(1.0));
   if (feet.foot_count > 0) {
     const std::vector<SeatRest> seats = find_seats(human, poses_of(human), contacts);
-    measure_missing_surfaces(draft, contacts, frames, seats, touches_scene);
+    const std::vector<char> unsupported =
+        measure_missing_surfaces(draft, tracks, contacts, frames, seats, touches_scene);
+    draft.report.lost_stances =
+        !tracks.soles.empty() && draft.report.find("stance_pct") == nullptr &&
+        (source.up_is_uncertain || stands_on_nothing(unsupported, posture, human.rate));
   }
 }
 

@@ -125,8 +125,9 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Share of the frames with a known support in which only surfaces above the floor carry the "
      "source, through its feet or a seat, and the robot touches no body of the scene: it stands or "
      "sits on nothing. Flights of at most a second between two such supports count, and flights "
-     "between other supports are part of the frames. The denominator is at least a quarter of all "
-     "frames.",
+     "between other supports are part of the frames. Frames without a known support count while "
+     "the robot stays in the air for more than a second. The denominator is at least a quarter of "
+     "all frames.",
      kContacts},
     {"lying_pct", "%",
      "Frames in which the source lies or crawls: its trunk leans by more than 60 degrees, and its "
