@@ -206,10 +206,12 @@ class RealFiles(ToolTest):
                     (self.folder / "o.json").read_text())["motions"][0]["gates"]
                     if not gate["passed"]}
                 if name.startswith("gvhmr"):
-                    # Its body is thrown about for two frames, lands late, and its feet do not rest.
-                    self.assertLessEqual({"com_acc_p99", "hover_pct", "source_slide_mean"}, missed)
-                    self.assertLessEqual(missed, {"com_acc_p99", "hover_pct", "source_slide_mean",
-                                                  "root_acc_p99", "root_jerk_mean"})
+                    # Its body is thrown about for two frames and stays in the air for two seconds,
+                    # and its feet do not rest.
+                    always = {"com_acc_p99", "hover_pct", "missing_surface_pct",
+                              "source_slide_mean"}
+                    self.assertLessEqual(always, missed)
+                    self.assertLessEqual(missed, always | {"root_acc_p99", "root_jerk_mean"})
                 else:
                     self.assertEqual(missed, set())
 

@@ -85,7 +85,7 @@ void doubt_freezes(const Clip& clip, Plan& plan) {
   plan.clip_doubts.push_back(
       {0, 0,
        fmt::format(
-           "the source stops at once in frames {} and moves on at once, as in a dropout of the "
+           "the source stops abruptly in frames {} and moves on abruptly, as in a dropout of the "
            "tracking system: {} kept, {} s",
            list_names(places), count_text(frames, "equal frame"),
            number_text(frames * clip.rate().frame_time(), 2))});

@@ -19,7 +19,8 @@ struct SourceNotes {
 };
 
 /// Interpolates repeated frames and spikes of joint positions, undoes exchanges of left and right,
-/// and smooths noisy joint positions of a clip according to HumanOptions::clean, before its human is recognised.
+/// and smooths noisy joint positions of a clip according to HumanOptions::clean, before its human
+/// is recognised.
 [[nodiscard]] SourceNotes clean_source_frames(Clip& clip, const Options& options);
 
 /// Removes frames at the end of a clip in which the tracking was lost (count_lost_end_frames) from the
