@@ -78,6 +78,28 @@ class PageInABrowser(PagesInABrowser):
         self.assertEqual(outside, [])
         self.assert_quiet("one.html")
 
+    def test_low_windows(self):
+        for name in ("one.html", "two.html"):
+            for size in ((844, 390), (1024, 420), (1280, 400), (667, 375)):
+                with self.subTest(page=name, size=size):
+                    self.open(name, size=size)
+                    # Nothing covers the controls, once they are scrolled into the window.
+                    covered = self.run_script(
+                        "[...document.querySelectorAll('#buttons button, #view-tools button')]"
+                        ".filter((each) => each.offsetParent).filter((each) => {"
+                        " each.scrollIntoView({ block: 'center', behavior: 'instant' });"
+                        " const box = each.getBoundingClientRect();"
+                        " return !each.contains(document.elementFromPoint("
+                        "box.x + box.width / 2, box.y + box.height / 2)); })"
+                        ".map((each) => each.outerHTML)"
+                    )
+                    self.assertEqual(covered, [])
+                    overlap = self.run_script(
+                        "document.getElementById('stage').getBoundingClientRect().bottom - "
+                        "document.getElementById('transport').getBoundingClientRect().top"
+                    )
+                    self.assertLessEqual(overlap, 1)
+
     def test_everything_has_a_name(self):
         self.open("two.html", size=(1280, 720))
         self.assertLessEqual(

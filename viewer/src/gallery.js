@@ -64,7 +64,7 @@ missedGates.sort((a, b) => metricKeys.indexOf(a) - metricKeys.indexOf(b));
 function addOptions() {
   const option = (value, text, title) => el('option', { value, text, title });
   byId('sort').append(
-    option('passed', 'Best first'),
+    option('passed', 'Passed first'),
     option('worst', 'Worst first'),
     option('name', 'Name'),
     option('seconds', 'Length'),

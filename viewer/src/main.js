@@ -26,10 +26,13 @@ function showHeader(page, motions) {
     ),
   ];
   const [first] = motions;
+  // Motions that differ in length have their own frames.
+  const areEqual = motions.every(({ frames, fps }) => frames === first.frames && fps === first.fps);
+  const frames = `${first.frames} ${first.frames === 1 ? 'frame' : 'frames'} at ${Number(first.fps.toFixed(3))} fps`;
   byId('subtitle').textContent = [
     robots.join(', '),
-    seconds(first.duration),
-    `${first.frames} ${first.frames === 1 ? 'frame' : 'frames'} at ${Number(first.fps.toFixed(3))} fps`,
+    seconds(Math.max(...motions.map((motion) => motion.duration))),
+    areEqual ? frames : `${motions.length} motions`,
   ].join(' \u00b7 ');
   const resampled = motions.filter((motion) => motion.data.file_rate);
   if (resampled.length > 0) {
