@@ -330,9 +330,13 @@ TEST(ReadSmpl, ReadsHeightFromBetas) {
   EXPECT_THAT(warnings_of(without), HasSubstr("no betas"));
 
   const SmplMotion changing =
-      amass_motion(Amass().with("betas", npy_doubles({2, 2}, {1, 0, 2, 0})));
+      amass_motion(Amass().with("betas", npy_doubles({kFrames, 2}, {1, 0, 2, 0, 2, 0, 2, 0})));
   EXPECT_DOUBLE_EQ(changing.height, 1.76);
   EXPECT_THAT(warnings_of(changing), HasSubstr("vary over time"));
+
+  const std::vector<double> rows(2 * (kFrames + 1));
+  EXPECT_THAT(amass_error(Amass().with("betas", npy_doubles({kFrames + 1, 2}, rows))),
+              HasSubstr("rows, the rotations have"));
 
   const Amass absurd = Amass().with("betas", npy_doubles({1}, {40}));
   EXPECT_THAT(amass_error(absurd), HasSubstr("would give a body height of 5.66"));

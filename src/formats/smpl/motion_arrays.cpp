@@ -295,7 +295,10 @@ class MotionReader {
 
   Result<void> read_betas() {
     if (!file_.has("betas")) {
-      if (!kind_.has_no_betas) warn("no betas: assuming the average body shape");
+      // The file's own bones need no shape.
+      if (!kind_.has_no_betas && !file_.has("rest_offsets")) {
+        warn("no betas: assuming the average body shape");
+      }
       return {};
     }
     TRY_ASSIGN(const auto array, file_.read("betas"));
@@ -304,6 +307,11 @@ class MotionReader {
       return file_.array_failure("betas", "expected a row of numbers, found " +
                                               std::string(array.is_text() ? "text of " : "") +
                                               "shape " + shape_text(shape));
+    }
+    const auto frames = static_cast<std::size_t>(arrays_.frame_count);
+    if (shape.size() == 2 && shape[0] > 1 && shape[0] != frames) {
+      return file_.array_failure(
+          "betas", fmt::format("it has {} rows, the rotations have {}", shape[0], frames));
     }
     const std::vector<double> values = array.numbers();
     const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
