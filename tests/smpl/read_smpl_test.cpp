@@ -287,6 +287,8 @@ TEST(ReadSmpl, RequiresARateOrOverride) {
   both(Amass().with("mocap_framerate", npy_text("30")), "expected one number, found text");
   both(Amass().with("mocap_framerate", npy_doubles({2}, {30, 30})), "found numbers of shape (2,)");
   both(Amass().with("fps", number(30)), "30 frames per second, but mocap_framerate says 120");
+  both(Amass().with("dt", number(1.0 / 60.0)),
+       "mocap_framerate says 120 frames per second, but the time per frame gives 60");
   EXPECT_EQ(amass_motion(Amass(), given).clip.rate(), (FrameRate{50, 1}));
 
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL}) {

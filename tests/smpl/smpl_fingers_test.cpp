@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -118,7 +119,13 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
       {"body_pose", npy_doubles({kHandFrames, 63}, std::vector<double>(63 * kHandFrames))},
       {"left_hand_pose", npy_doubles({kHandFrames, 12}, Numbers(4).list(12 * kHandFrames))},
       {"right_hand_pose", npy_doubles({kHandFrames, 12}, Numbers(5).list(12 * kHandFrames))}};
-  EXPECT_EQ(joints(file_of(components)), 22) << "principal components";
+  const SmplMotion reduced = motion_with_hands(file_of(components));
+  EXPECT_EQ(reduced.clip.skeleton().joint_count(), 22) << "principal components";
+  ASSERT_FALSE(reduced.warnings.empty());
+  const bool is_told = std::ranges::any_of(reduced.warnings, [](const Warning& warning) {
+    return warning.message.find("fingers ignored: expected left_hand_pose") != std::string::npos;
+  });
+  EXPECT_TRUE(is_told);
   hands[7] = std::nan("");
   const SmplMotion odd = motion_with_hands(whole(156, hands));
   EXPECT_EQ(odd.clip.skeleton().joint_count(), 22);

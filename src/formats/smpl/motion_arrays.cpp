@@ -209,10 +209,14 @@ class MotionReader {
     for (const Part& part : parts) {
       const auto array = file_.read(part.name);
       const std::size_t width = array ? width_of(array->shape) : 0;
-      // Skip arrays of principal components, which are not rotations.
+      // Principal components are not rotations.
       const bool is_whole = part.first > 0 || width == part.count;
       if (!is_whole || width < part.first + part.count || !array->is_number() ||
           array->shape[0] != frames) {
+        if (array && !is_zero(*array)) {
+          warn(fmt::format("fingers ignored: expected {} of shape ({}, {}), found {}", part.name,
+                           frames, part.count, shape_text(array->shape)));
+        }
         return;
       }
       const std::vector<double> values = array->numbers();
@@ -229,6 +233,11 @@ class MotionReader {
     } else if (hands_move(rotations)) {
       arrays_.hand_rotations = std::move(rotations);
     }
+  }
+
+  static bool is_zero(const NpyArray& array) {
+    return array.is_number() &&
+           std::ranges::all_of(array.numbers(), [](double value) { return value == 0.0; });
   }
 
   static bool is_rotation(const Eigen::Vector3d& vector) {
@@ -340,6 +349,11 @@ class MotionReader {
       if (kind_.gender.empty()) warn("no gender");
       return {};
     }
+    TRY_ASSIGN(const auto type, file_.type_of("gender"));
+    if (is_python_object(type)) {
+      warn("gender is a Python object, which is not unpickled: ignored");
+      return {};
+    }
     TRY_ASSIGN(auto word, read_word("gender"));
     constexpr std::array<std::string_view, 3> kGenders = {"neutral", "female", "male"};
     if (std::ranges::find(kGenders, word) == kGenders.end()) {
@@ -350,12 +364,16 @@ class MotionReader {
     return {};
   }
 
+  static bool is_python_object(const std::string& type) {
+    return type.find('O') != std::string::npos;
+  }
+
   // Reads the first element of a text array in lower case. Returns an empty string for other
   // arrays; only a damaged file is an error.
   Result<std::string> read_word(const char* name) const {
     TRY_ASSIGN(const auto type, file_.type_of(name));
     // An unexpected Python object is no reason to reject the motion.
-    if (type.find('O') != std::string::npos) return std::string();
+    if (is_python_object(type)) return std::string();
     TRY_ASSIGN(const auto array, file_.read(name));
     if (!array.is_text() || array.element_count() == 0) return std::string();
     std::string word = array.texts().front();

@@ -230,7 +230,16 @@ Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
     found = rate;
     first = name;
   }
-  return found ? Result<std::optional<FrameRate>>(found) : read_frame_time(file);
+  const auto by_time = read_frame_time(file);
+  if (!found) return by_time;
+  // An implausible time is something else.
+  if (by_time && *by_time && !same_rate(**by_time, *found)) {
+    return file.file_failure(
+        fmt::format("{} says {} frames per second, but the time per frame gives {}", first,
+                    to_text(*found), to_text(**by_time)),
+        std::string(kRateHint));
+  }
+  return found;
 }
 
 Failure no_motion_rate(const ArraySource& file) {
