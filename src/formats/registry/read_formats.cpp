@@ -27,7 +27,7 @@ namespace {
 
 constexpr const char* kFromRobotHint =
     "if it is a robot motion, " OPTION("from-robot") " NAME names the robot, such as unitree_g1; "
-    "retarget convert only changes its format; joint positions are read from arrays: "
+    "retarget convert only changes its format. A human's joint positions are read from arrays: "
     "docs/positions.md";
 
 std::optional<double> given_rate(const SourceOptions& options) {
