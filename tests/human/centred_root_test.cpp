@@ -13,7 +13,8 @@ namespace retarget {
 namespace {
 
 std::vector<double> hip_heights(const Clip& clip) {
-  HumanPoser poser(clip, lafan1_calibration(clip.skeleton()));
+  const Calibration calibration = lafan1_calibration(clip.skeleton());
+  HumanPoser poser(clip, calibration);
   std::vector<double> heights;
   HumanPose pose;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
