@@ -55,5 +55,25 @@ TEST(CentredRoot, RecordedHipsMove) {
   }
 }
 
+// A body that stands still for most of the clip, and then moves.
+TEST(CentredRoot, RecordedHipsMoveAfterALongPause) {
+  for (const char* name : {"walk", "squat"}) {
+    const Clip moving = recorded_clip(name);
+    const int still = 12 * moving.frame_count();
+    Clip clip(moving.shared_skeleton(), moving.rate(), still + moving.frame_count());
+    clip.set_origin(moving.origin());
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      const int from = std::max(0, frame - still);
+      std::ranges::copy(moving.rotations(from), clip.rotations(frame).begin());
+      std::ranges::copy(moving.translations(from), clip.translations(frame).begin());
+    }
+    EXPECT_FALSE(restore(clip)) << name;
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      clip.translations(frame)[0] = Eigen::Vector3d::Zero();
+    }
+    EXPECT_TRUE(restore(clip)) << name;
+  }
+}
+
 }  // namespace
 }  // namespace retarget

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -23,7 +24,7 @@ constexpr double kRestingHips = 5e-4;  // Metres; files round positions to less.
 constexpr double kLeastChange = 0.01;  // Metres.
 constexpr double kHipsCutoff = 4.0;    // Hz. The lowest part changes at once, but hips do not.
 
-bool rests(const std::vector<Vector3d>& track) {
+std::vector<double> distances_from_median(const std::vector<Vector3d>& track) {
   Vector3d middle;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -32,21 +33,48 @@ bool rests(const std::vector<Vector3d>& track) {
   }
   std::vector<double> distances;
   for (const Vector3d& place : track) distances.push_back((place - middle).norm());
+  return distances;
+}
+
+// Whether a point rests in the frames in which the legs are away from their usual pose. A recorded
+// body that stands still for most of a clip moves there.
+bool rests(const std::vector<Vector3d>& track, const std::vector<char>& legs_move) {
+  constexpr std::size_t kFewestFrames = 3;
+  const std::vector<double> all = distances_from_median(track);
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (legs_move[i] != 0) distances.push_back(all[i]);
+  }
+  if (distances.size() < kFewestFrames) return false;
   // Interpolated frames may move the hips.
   return percentile(std::move(distances), 90.0) < kRestingHips;
 }
 
-// Whether the joint of the hips or the middle of the hip joints rests.
+// Whether the joint of the hips or the middle of the hip joints rests while the legs move.
 bool root_rests(HumanPoser& poser, FrameRange part) {
   std::vector<Vector3d> hips, middle;
+  std::array<std::vector<Vector3d>, 2> legs;  // Ends of the legs, relative to the hips.
+  const HumanClipInfo info = poser.info();
   HumanPose pose;
   for (int frame = part.begin; frame < part.end; ++frame) {
     poser.pose(frame, pose);
     hips.push_back(pose[Bone::kHips].translation);
     middle.emplace_back(0.5 *
                         (pose[Bone::kLeftUpLeg].translation + pose[Bone::kRightUpLeg].translation));
+    for (const std::size_t side : {0U, 1U}) {
+      const Bone ankle = side_bone(kSides[side], LimbBone::kFoot);
+      const Bone end = info.has(ankle) ? ankle : side_bone(kSides[side], LimbBone::kLeg);
+      legs[side].push_back(pose[end].translation - hips.back());
+    }
   }
-  return rests(hips) || rests(middle);
+  std::vector<char> legs_move(hips.size());
+  for (const std::vector<Vector3d>& leg : legs) {
+    const std::vector<double> distances = distances_from_median(leg);
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      if (distances[i] > kLeastChange) legs_move[i] = 1;
+    }
+  }
+  return rests(hips, legs_move) || rests(middle, legs_move);
 }
 
 }  // namespace

@@ -84,10 +84,10 @@ void undo_swaps_of(SwapTracks& tracks, const JointPairs& pairs, double least,
   if (swaps.size() % 2 == 1 || kShare * frames >= tracks.front().size()) {
     std::vector<std::string> places;
     for (const std::size_t swap : swaps) places.push_back(std::to_string(swap));
-    found.kept.push_back(
-        fmt::format("the {} exchange sides in frame {}: on one side of it, left "
-                    "and right are wrong",
-                    limbs, list_names(places, 8)));
+    const bool is_one = swaps.size() == 1;
+    found.kept.push_back(fmt::format("the {} exchange sides in {} {}: {}, left and right are wrong",
+                                     limbs, is_one ? "frame" : "frames", list_names(places, 8),
+                                     is_one ? "on one side of it" : "between some of them"));
     return;
   }
   for (std::size_t i = 0; i + 1 < swaps.size(); i += 2) {
