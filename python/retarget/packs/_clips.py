@@ -49,6 +49,18 @@ class BatchClips(dict[str, Path]):
         self.left_out: dict[str, str] = {}
         """Clips of other robots than the one given to clips_of(), and these robots, by name."""
 
+    def check_unchanged(self, name: str, file: StrPath, data: bytes) -> None:
+        """Compares the bytes of a clip's file with the recorded hash, if there is one.
+
+        Raises:
+            InputError: the file has changed since the batch.
+        """
+        recorded = self.hashes.get(name)
+        if recorded and recorded != f"sha256:{hashlib.sha256(data).hexdigest()}":
+            file = os.fspath(file)
+            raise InputError(f"{file}: has changed since the batch wrote it; run the batch again, "
+                             "or give the files as a dictionary", file=file)
+
 
 @dataclass(frozen=True)
 class _Entry:
@@ -211,24 +223,6 @@ def _entry_of_line(line: bytes) -> _Entry | None:
         return None
 
 
-def check_unchanged(clips: Clips, name: str, source: Source) -> None:
-    """Compares a file of a batch with the recorded hash.
-
-    Raises:
-        InputError: the file has changed since the batch.
-    """
-    recorded = clips.hashes.get(name) if isinstance(clips, BatchClips) else None
-    if not recorded or isinstance(source, _retarget.Motion):
-        return
-    try:
-        found = hashlib.sha256(Path(source).read_bytes()).hexdigest()
-    except OSError:
-        return  # The reader of the file states the error.
-    if recorded != f"sha256:{found}":
-        raise InputError(f"{os.fspath(source)}: has changed since the batch wrote it; run the "
-                         "batch again, or give the files as a dictionary", file=os.fspath(source))
-
-
 def ascending(clips: Clips) -> Iterator[tuple[str, Source]]:
     """Yields the clips in ascending order of names.
 
@@ -301,7 +295,8 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        check_unchanged(self._batch, name, source)
+        if self._batch.hashes.get(name) and Path(source).is_file():
+            self._batch.check_unchanged(name, source, Path(source).read_bytes())
         recorded = self._batch.robots.get(name, self.robot.name)
         if recorded not in _names_of(self.robot):
             raise UsageError(f"clips[{name!r}]: the batch records a motion of {recorded}, but "

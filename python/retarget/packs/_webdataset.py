@@ -14,7 +14,7 @@ from typing import Any
 
 from retarget import _retarget
 from retarget._errors import RunError, UsageError
-from retarget.packs._clips import Clips, Source, StrPath, ascending, check_unchanged
+from retarget.packs._clips import BatchClips, Clips, Source, StrPath, ascending
 from retarget.packs._parts import new_folder, parts
 
 _BLOCK = 512
@@ -63,8 +63,9 @@ def write_webdataset(clips: Clips, folder: StrPath, *, format: str = "npz-mjlab"
         RunError: a file cannot be read or written.
     """
     keys: dict[str, str] = {}
-    samples = (_sample(name, source, format, info, keys)
-               for name, source in _unchanged(clips))
+    batch = clips if isinstance(clips, BatchClips) else BatchClips()
+    samples = (_sample(name, source, format, info, keys, batch)
+               for name, source in ascending(clips))
     shards = []
     with new_folder(folder, replace) as unfinished:
         bound = max(min(max_bytes, 1), max_bytes - _END_OF_TAR)
@@ -76,14 +77,9 @@ def write_webdataset(clips: Clips, folder: StrPath, *, format: str = "npz-mjlab"
     return shards
 
 
-def _unchanged(clips: Clips) -> Iterator[tuple[str, Source]]:
-    for name, source in ascending(clips):
-        check_unchanged(clips, name, source)
-        yield name, source
-
-
 def _sample(name: str, source: Source, format: str,
-            info: Callable[[str], Mapping[str, Any]] | None, keys: dict[str, str]) -> _Sample:
+            info: Callable[[str], Mapping[str, Any]] | None, keys: dict[str, str],
+            batch: BatchClips) -> _Sample:
     parent, _, last = name.rpartition("/")
     key = f"{parent}/{last.replace('.', '_')}" if parent else last.replace(".", "_")
     # Names ascend, so only a key that differs from its name, or one equal to such a key, repeats.
@@ -91,6 +87,8 @@ def _sample(name: str, source: Source, format: str,
         if keys.setdefault(key, name) != name:
             raise UsageError(f"clips: {name!r} and {keys[key]!r} have the same key {key!r}")
     ending, data = _motion_file(name, source, format)
+    if not isinstance(source, _retarget.Motion):
+        batch.check_unchanged(name, source, data)
     about = {"name": name, **(info(name) if info else {})}
     text = json.dumps(about, ensure_ascii=False, sort_keys=True).encode(errors="surrogateescape")
     return _Sample(key, {ending: data, "json": text})

@@ -348,23 +348,25 @@ bool remake(Clip& clip, const std::vector<std::vector<Vector3d>>& tracks) {
   return true;
 }
 
+// Least movement of joints that are wrong, as a share of the body's extent: 10 cm.
+constexpr double kLeastFault = 0.06;
+
 }  // namespace
 
 SideSwaps undo_position_swaps(Clip& clip) {
-  constexpr double kLeast = 0.06;  // Share of the body's extent: 10 cm.
   if (!has_positions_only(clip)) return {};
   std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);
-  SideSwaps found = undo_side_swaps(tracks, clip.skeleton().names(), kLeast * body_extent(tracks));
+  SideSwaps found =
+      undo_side_swaps(tracks, clip.skeleton().names(), kLeastFault * body_extent(tracks));
   if (!found.undone.empty() && !remake(clip, tracks)) return {};
   return found;
 }
 
 std::vector<std::string> bridge_position_spikes(Clip& clip) {
-  constexpr double kLeast = 0.06;  // Share of the body's extent: 10 cm.
   if (!has_positions_only(clip)) return {};
   std::vector<std::vector<Vector3d>> tracks = position_tracks(clip);
-  std::vector<std::string> found =
-      bridge_spikes(tracks, clip.skeleton().names(), clip.rate(), kLeast * body_extent(tracks));
+  std::vector<std::string> found = bridge_spikes(tracks, clip.skeleton().names(), clip.rate(),
+                                                 kLeastFault * body_extent(tracks));
   if (found.empty() || !remake(clip, tracks)) return {};
   return found;
 }

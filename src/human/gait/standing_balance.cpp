@@ -49,7 +49,10 @@ class BalanceSamples {
       ++ends;
       forward += (pose[toe].translation - pose[ankle].translation).normalized();
     }
-    const Vector3d up = centre_of_mass(pose) - feet / ends;
+    const auto [sum, mass] =
+        weighted_positions([&](Bone bone) { return info_.has(bone); },
+                           [&](Bone bone) -> const Vector3d& { return pose[bone].translation; });
+    const Vector3d up = sum / mass - feet / ends;
     ups_.push_back(up.normalized());
     forward_ += forward;
   }
@@ -75,17 +78,6 @@ class BalanceSamples {
     const Vector3d ankle = place(LimbBone::kFoot);
     const double leg = (knee - hip).norm() + (ankle - knee).norm();
     return (ankle - hip).norm() > kStraightLeg * leg;
-  }
-
-  [[nodiscard]] Vector3d centre_of_mass(const HumanPose& pose) const {
-    Vector3d sum = Vector3d::Zero();
-    double mass = 0.0;
-    for (const auto& [bone, share] : kBodyMasses) {
-      if (!info_.has(bone)) continue;
-      sum += share * pose[bone].translation;
-      mass += share;
-    }
-    return sum / mass;
   }
 
   // A body that leans on something is tilted, but not its feet. Without toes, this is unknown.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <utility>
 
@@ -20,5 +21,26 @@ inline constexpr std::array<std::pair<Bone, double>, 11> kBodyMasses = {
      {Bone::kRightForeArm, 0.03},
      {Bone::kLeftHand, 0.02},
      {Bone::kRightHand, 0.02}}};
+
+/// Positions of bones weighted by mass fraction, and the sum of these fractions; their quotient is
+/// the centre of mass.
+struct WeightedPositions {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double mass = 0.0;
+};
+
+/// Sums over the bones that a body has.
+/// @param has    whether the body has a bone.
+/// @param place  position of such a bone.
+template <typename Has, typename Place>
+[[nodiscard]] WeightedPositions weighted_positions(const Has& has, const Place& place) {
+  WeightedPositions weighted;
+  for (const auto& [bone, share] : kBodyMasses) {
+    if (!has(bone)) continue;
+    weighted.sum += share * place(bone);
+    weighted.mass += share;
+  }
+  return weighted;
+}
 
 }  // namespace retarget

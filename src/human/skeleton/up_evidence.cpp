@@ -32,13 +32,9 @@ CentreTrack centre_track(const Clip& clip, const Body& body, int begin, double l
   track.step = clip.rate().frame_time() * stride;
   for (int frame = begin; frame < clip.frame_count(); frame += stride) {
     const JointPoses pose = frame_pose(clip, frame);
-    Vector3d sum = Vector3d::Zero();
-    double mass = 0.0;
-    for (const auto& [bone, share] : kBodyMasses) {
-      if (!body.has(bone)) continue;
-      sum += share * pose[body.joint(bone)].translation;
-      mass += share;
-    }
+    const auto [sum, mass] = weighted_positions(
+        [&](Bone bone) { return body.has(bone); },
+        [&](Bone bone) -> const Vector3d& { return pose[body.joint(bone)].translation; });
     track.places.emplace_back(sum / (mass * leg));
   }
   return track;
