@@ -16,8 +16,6 @@ using Eigen::Vector3d;
 // length.
 constexpr double kLength = 0.3;
 constexpr double kUsualMass = 35.0;  // Mass of a G1, kilograms.
-// Distance from a lifted body within which links carry it, for a G1; metres.
-constexpr double kCarryReach = 0.04;
 // Share of an ankle's torque limit that the fit plans with in frames with overloaded ankles. The
 // rest covers the foot's own motion and the difference between the robot's motion and the plan. An
 // ankle is overloaded only above its full limit: with a threshold of 80 %, the G1's foot slip in
@@ -58,12 +56,11 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       window_(window),
       count_(window.end - window.begin),
       scale_{model.inertias.mass, kLength * model.leg / kUsualLeg, clip.frame_time},
+      contacts_(model, options, window, clip),
       inverse_(model.tree, model.inertias),
       map_(model.tree, model.inertias),
       pose_(model.tree),
       frames_(at(count_)),
-      contacts_(at(count_)),
-      contact_places_(at(count_)),
       headings_(at(count_), Vector3d::UnitX()),
       overload_(at(count_), 0.0),
       com_(at(count_), Vector3d::Zero()),
@@ -72,38 +69,11 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       rest_before_(at(count_), 0.0),
       share_(at(count_), 1.0),
       spin_rows_(3, count_ * model.dof_count()) {
-  shrink_soles();
-  if (!clip.scene) return;
-  scene_.emplace(clip.scene->world, window.begin, window.end);
   for (const FitFoot& foot : model.feet) {
-    for (const FitFoot::End& end : foot.ends) {
-      for (const Vector3d& corner : end.points) points_.push_back({foot.link, corner, 0.0, true});
-    }
-  }
-  for (std::size_t link = 0; link < model.floor_points.size(); ++link) {
-    if (model.is_foot[link] != 0) continue;
-    for (const FloorPoint& point : model.floor_points[link]) {
-      points_.push_back({static_cast<int>(link), point.position, point.radius, false});
-    }
-  }
-}
-
-// Moves the contact points of each sole towards its middle by the share sole_shrink.
-void FitDynamics::shrink_soles() {
-  for (const FitFoot& foot : model_.feet) {
-    const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
     const Vector3d length = foot.ends[1].middle - foot.ends[0].middle;
     sole_normals_.push_back(length.cross(foot.sideways).normalized());
-    auto& places = sole_contacts_.emplace_back();
-    for (std::size_t e = 0; e < foot.ends.size(); ++e) {
-      for (const Vector3d& corner : foot.ends[e].points) {
-        places[e].push_back(corner + options_.sole_shrink * (middle - corner));
-      }
-    }
   }
-  for (const double limit : model_.torque_limit) {
-    ankle_torques_.push_back(kAnkleShare * limit);
-  }
+  for (const double limit : model.torque_limit) ankle_torques_.push_back(kAnkleShare * limit);
 }
 
 double FitDynamics::begin(const FitClip& clip) {
@@ -196,9 +166,10 @@ void FitDynamics::read_frames(const FitClip& clip) {
     spline.sample(at_end ? index - 1 : index, at_end ? 1.0 : 0.0, state);
     read_frame(state, t, clip);
   }
+  constexpr double kBetweenFrames = 1.0 / 30.0;  // Seconds.
   if (!begun_) {
     first_com_ = com_;
-    lend_contacts();
+    contacts_.lend(frames_within(kBetweenFrames));
   }
   // In begin(), overload_ is still 0, because trust must not depend on the strength of the ankles.
   for (int t = 0; t < count_; ++t) fill_cone(t, &FitContactPlace::to_reach, overload_[at(t)]);
@@ -209,7 +180,7 @@ void FitDynamics::read_frames(const FitClip& clip) {
 //     squared body weights.
 double FitDynamics::beyond_ankles(int t) {
   const auto stays = [](const FitContactPlace& place) { return place.to_limit.isZero(0.0); };
-  if (std::ranges::all_of(contact_places_[at(t)], stays)) return 0.0;
+  if (std::ranges::all_of(contacts_.places(t), stays)) return 0.0;
   const auto missing = [&](double share) {
     fill_cone(t, &FitContactPlace::to_limit, share);
     return projector_.project(frames_[at(t)].cone, frames_[at(t)].needed).squaredNorm();
@@ -248,11 +219,7 @@ void FitDynamics::find_overloaded_ankles() {
 
 void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
   pose_.update(state.qpos);
-  if (scene_) {
-    scene_->find_loads(window_.begin + t, points_, pose_, kCarryReach * model_.leg / kUsualLeg,
-                       loads_);
-  }
-  inverse_.compute(pose_, state.velocity, state.acceleration, loads_);
+  inverse_.compute(pose_, state.velocity, state.acceleration, contacts_.loads(t, pose_));
   CentroidalFrame& frame = frames_[at(t)];
   const double weight = scale_.mass * kGravity;
   frame.needed.head<3>() = inverse_.needed().force / weight;
@@ -261,16 +228,12 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   headings_[at(t)] =
       turn_about_vertical(pose_.world_from_link.front().rotation) * Vector3d::UnitX();
   if (!begun_) {
-    find_contacts(t, clip, contacts_[at(t)]);
+    contacts_.find(t, clip, {pose_, inverse_, headings_[at(t)], frame.needed.z()});
     frame.moved.setZero();
   } else {
     frame.moved.head<3>() = com_[at(t)] - first_com_[at(t)];
   }
-  std::vector<FitContactPlace>& places = contact_places_[at(t)];
-  places.clear();
-  for (const FitContact& contact : contacts_[at(t)]) {
-    places.push_back({place_of(t, contact), contact.foot});
-  }
+  contacts_.place(t, pose_);
   find_reach(t);
 }
 
@@ -281,7 +244,7 @@ void FitDynamics::find_reach(int t) {
   if (!(force.norm() > kLeast * scale_.mass * kGravity)) return;
   int measured = -1;
   double load = 1.0;
-  for (FitContactPlace& place : contact_places_[at(t)]) {
+  for (FitContactPlace& place : contacts_.places(t)) {
     if (place.foot < 0) continue;
     if (place.foot != measured) load = load_on(t, place.foot);
     measured = place.foot;
@@ -306,7 +269,7 @@ double FitDynamics::load_on(int t, int foot) const {
   constexpr double kMore = 0.1, kLeast = 0.2;
   Vector3d own = Vector3d::Zero(), other = own;
   int own_count = 0, other_count = 0;
-  for (const FitContactPlace& place : contact_places_[at(t)]) {
+  for (const FitContactPlace& place : contacts_.places(t)) {
     (place.foot == foot ? own : other) += place.position;
     ++(place.foot == foot ? own_count : other_count);
   }
@@ -324,117 +287,13 @@ double FitDynamics::load_on(int t, int foot) const {
   return std::clamp((zmp - other.head<2>()).dot(way) / square + kMore, kLeast, 1.0);
 }
 
-ContactPlace FitDynamics::place_of(int t, const FitContact& contact) const {
-  if (!contact.body) return {lowest_of(contact.point, pose_)};
-  const SupportPoint& point = contact.point;
-  return scene_->place(window_.begin + t, pose_.world_from_link[point.link] * point.in_link,
-                       point.radius, *contact.body);
-}
-
-bool FitDynamics::touches(const SupportPoint& point, double height, double speed) const {
-  const Vector3d place = lowest_of(point, pose_);
-  return place.z() < height && inverse_.velocity_of(point.link, place, pose_).norm() < speed;
-}
-
-// Collects the points of planned foot ends, and all slow points of the robot near the floor or near
-// a body of the scene.
-void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<FitContact>& contacts) {
-  constexpr double kSoleHeight = 0.012, kBodyHeight = 0.02, kSpeed = 0.35;
-  constexpr double kLooseHeight = 0.04, kLooseSpeed = 1.5, kHeld = 0.35;
-  contacts.clear();
-  add_feet(t, clip, kSoleHeight, kSpeed, contacts);
-  add_bodies(kBodyHeight, kSpeed, contacts);
-  add_touched_bodies(t, kBodyHeight, kSpeed, contacts);
-  // A body that is not falling must have a support, so this search accepts faster and higher
-  // points.
-  if (contacts.empty() && frames_[at(t)].needed.z() > kHeld) {
-    add_feet(t, clip, kLooseHeight, kLooseSpeed, contacts);
-    add_touched_bodies(t, kLooseHeight, kLooseSpeed, contacts);
-  }
-  keep_outermost_contacts(t, contacts);
-}
-
-void FitDynamics::keep_outermost_contacts(int t, std::vector<FitContact>& contacts) {
-  places_.clear();
-  chosen_.clear();
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    places_.push_back(place_of(t, contacts[i]).position);
-    chosen_.push_back(static_cast<int>(i));
-  }
-  keep_outermost(places_, ForceCone::kMaxPoints, chosen_, headings_[at(t)]);
-  for (std::size_t i = 0; i < chosen_.size(); ++i) contacts[i] = contacts[at(chosen_[i])];
-  contacts.resize(chosen_.size());
-}
-
-void FitDynamics::add_feet(int t, const FitClip& clip, double height, double speed,
-                           std::vector<FitContact>& contacts) const {
-  const auto goals = clip.feet.ends_of(window_.begin + t);
-  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
-    const FitFoot& foot = model_.feet[f];
-    for (std::size_t e = 0; e < foot.ends.size(); ++e) {
-      // An end that rises may have left the floor.
-      const FootEndGoal& goal = goals[2 * f + e];
-      const bool planned = goal.phase >= 0 && goal.lift == 0.0;
-      for (std::size_t i = 0; i < foot.ends[e].points.size(); ++i) {
-        const SupportPoint point{foot.link, foot.ends[e].points[i], 0.0, true};
-        if (!planned && !touches(point, height, speed)) continue;
-        contacts.push_back({point, {}, static_cast<int>(f)});
-        contacts.back().point.in_link = sole_contacts_[f][e][i];
-      }
-    }
-  }
-}
-
-void FitDynamics::add_bodies(double height, double speed, std::vector<FitContact>& contacts) const {
-  for (std::size_t link = 0; link < model_.floor_points.size(); ++link) {
-    if (model_.is_foot[link] != 0) continue;
-    if (pose_.world_from_link[link].translation.z() - model_.floor_reach[link] > height) continue;
-    for (const FloorPoint& floor : model_.floor_points[link]) {
-      const SupportPoint point{static_cast<int>(link), floor.position, floor.radius, false};
-      if (touches(point, height, speed)) contacts.push_back({point, {}, -1});
-    }
-  }
-}
-
-// Adds the points that touch bodies of the scene. Points of planned foot ends are already contacts,
-// with the floor's normal.
-void FitDynamics::add_touched_bodies(int t, double height, double speed,
-                                     std::vector<FitContact>& contacts) const {
-  if (!scene_) return;
-  for (const SupportPoint& point : points_) {
-    const Vector3d centre = pose_.world_from_link[point.link] * point.in_link;
-    const auto body =
-        scene_->touched(window_.begin + t, centre, point.radius,
-                        inverse_.velocity_of(point.link, centre, pose_), height, speed);
-    if (body) contacts.push_back({point, body, -1});
-  }
-}
-
-// Gives a frame without contacts those of the nearest frame at most 1/30 s away, because contacts
-// begin and end between frames. The metric `unexplained` does the same.
-void FitDynamics::lend_contacts() {
-  const int reach = frames_within(1.0 / 30.0);
-  std::vector<char> empty;
-  for (const auto& contacts : contacts_) empty.push_back(contacts.empty() ? 1 : 0);
-  for (int t = 0; t < count_; ++t) {
-    for (int away = 1; away <= reach && contacts_[at(t)].empty(); ++away) {
-      for (const int neighbour : {t - away, t + away}) {
-        if (neighbour < 0 || neighbour >= count_ || empty[at(neighbour)] != 0) continue;
-        if (!contacts_[at(t)].empty()) continue;
-        contacts_[at(t)] = contacts_[at(neighbour)];
-        contact_places_[at(t)] = contact_places_[at(neighbour)];
-      }
-    }
-  }
-}
-
 // Sets the friction cones and the dead zone of a frame. The dead zone is smaller where ankles limit
 // the pressure, because the usual one can exceed half of an ankle's torque limit.
 // @param towards  displacement of the contact points, scaled by `share`.
 void FitDynamics::fill_cone(int t, Vector3d FitContactPlace::*towards, double share) {
   CentroidalFrame& frame = frames_[at(t)];
   frame.cone.clear();
-  for (const FitContactPlace& place : contact_places_[at(t)]) {
+  for (const FitContactPlace& place : contacts_.places(t)) {
     const Vector3d lever = place.position + share * place.*towards - com_[at(t)];
     frame.cone.add_point(lever / scale_.length, options_.support_friction, place.normal,
                          headings_[at(t)]);

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,27 +9,11 @@
 #include "solve/dynamics/centroidal_step.h"
 #include "solve/dynamics/inverse_dynamics.h"
 #include "solve/dynamics/motion_spline.h"
-#include "solve/dynamics/scene_supports.h"
-#include "solve/dynamics/support_points.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
+#include "solve/fit/window_contacts.h"
 
 namespace retarget {
-
-/// A point of the robot on which a surface may exert a contact force.
-struct FitContact {
-  SupportPoint point;
-  std::optional<std::size_t> body;  ///< Index of the scene's body; empty: the floor.
-  int foot = -1;  ///< Index into FitModel::feet; -1: other links, or on a body of the scene.
-};
-
-/// Point of application of a contact force in a frame.
-struct FitContactPlace : ContactPlace {
-  int foot = -1;  ///< Index into FitModel::feet; -1: other links, or on a body of the scene.
-  /// Displacements to the nearest points at which the ankle torque is within its limit (to_limit)
-  /// and within the share of it that the fit plans with (to_reach); world axes, metres.
-  Eigen::Vector3d to_limit = Eigen::Vector3d::Zero(), to_reach = to_limit;
-};
 
 /// The dynamics terms in the last steps of a fit, for one window. Where the contacts cannot supply
 /// the required forces, it changes the paths of the centre of mass and of the angular
@@ -77,25 +59,11 @@ class FitDynamics {
   void moved(int frame, std::span<const double> step);
 
  private:
-  // By foot and end, in the frame of the foot's link.
-  using SolePoints = std::vector<std::array<std::vector<Eigen::Vector3d>, 2>>;
-
   void read_frames(const FitClip& clip);
   [[nodiscard]] double missing_share() const;
   [[nodiscard]] bool is_mostly_unexplained() const;
   [[nodiscard]] int frames_within(double seconds) const;
   void read_frame(const MotionState& state, int t, const FitClip& clip);
-  void find_contacts(int t, const FitClip& clip, std::vector<FitContact>& contacts);
-  void keep_outermost_contacts(int t, std::vector<FitContact>& contacts);
-  void add_feet(int t, const FitClip& clip, double height, double speed,
-                std::vector<FitContact>& contacts) const;
-  void add_bodies(double height, double speed, std::vector<FitContact>& contacts) const;
-  void add_touched_bodies(int t, double height, double speed,
-                          std::vector<FitContact>& contacts) const;
-  [[nodiscard]] bool touches(const SupportPoint& point, double height, double speed) const;
-  [[nodiscard]] ContactPlace place_of(int t, const FitContact& contact) const;
-  void lend_contacts();
-  void shrink_soles();
   [[nodiscard]] double beyond_ankles(int t);
   void find_overloaded_ankles();
   void find_reach(int t);
@@ -109,23 +77,18 @@ class FitDynamics {
   const FitWindow& window_;
   int count_;  // Number of frames in the window.
   CentroidalScale scale_;
+  WindowContacts contacts_;
   InverseDynamics inverse_;
   CentroidalMap map_;
   TreeState pose_;
   CentroidalStep step_;
   std::vector<CentroidalFrame> frames_;
-  std::vector<std::vector<FitContact>> contacts_;
-  std::vector<std::vector<FitContactPlace>> contact_places_;
-  std::vector<Eigen::Vector3d> headings_;  // Forward direction of the base, by frame.
-  std::optional<SceneSupports> scene_;
-  SolePoints sole_contacts_;                   // Contact points of the shrunk soles.
+  std::vector<Eigen::Vector3d> headings_;      // Forward direction of the base, by frame.
   std::vector<Eigen::Vector3d> sole_normals_;  // One per foot, in the axes of its link.
   // By link, N m: largest torque in frames with overloaded ankles.
   std::vector<double> ankle_torques_;
   ConeProjector projector_;
-  std::vector<double> overload_;      // One per frame, 0 to 1: share of to_reach that applies.
-  std::vector<SupportPoint> points_;  // Points that may touch bodies of the scene.
-  std::vector<LinkLoad> loads_;       // Lifted objects, in the current frame.
+  std::vector<double> overload_;  // One per frame, 0 to 1: share of to_reach that applies.
   std::vector<Eigen::Vector3d> com_, first_com_;  // Now and in begin(); world, metres.
   // Goal of the centre of mass (world, metres) and remaining change of the angular
   // quasi-coordinate.
@@ -133,8 +96,6 @@ class FitDynamics {
   std::vector<double> rest_before_, share_;             // One per frame; see restrain().
   Eigen::Matrix<double, 3, Eigen::Dynamic> spin_rows_;  // Angular rows, frame after frame.
   bool begun_ = false, planned_ = false;
-  std::vector<Eigen::Vector3d> places_;
-  std::vector<int> chosen_;
 };
 
 }  // namespace retarget
