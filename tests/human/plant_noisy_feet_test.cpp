@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "human/gait/noisy_stances.h"
+
 namespace retarget {
 namespace {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/gait/plant_noisy_feet.h"
+#include "human/gait/body_joint.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/standing_heights.h"
 #include "human/gait/track_noise.h"

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "formats/smpl/joint_motion.h"
+#include "human/gait/body_joint.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/end_tracks.h"
 #include "human/gait/joint_jitter.h"

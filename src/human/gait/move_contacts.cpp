@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <optional>
 
+#include "human/gait/body_joint.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
-#include "human/gait/plant_noisy_feet.h"
 #include "retarget/human.h"
 #include "retarget/human_poser.h"
 #include "retarget/human_skeleton.h"

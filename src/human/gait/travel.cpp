@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "human/gait/body_joint.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
-#include "human/gait/plant_noisy_feet.h"
 #include "human/gait/source_feet.h"
 #include "retarget/human.h"
 #include "retarget/human_skeleton.h"
