@@ -1,10 +1,10 @@
 #include "human/skeleton/learned_axes.h"
 
-#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
 
+#include "human/skeleton/movement_means.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
 
@@ -13,9 +13,6 @@ namespace {
 
 using enum LimbBone;
 
-constexpr double kUpright = 0.90630778703664996;  // cosine of 25 degrees
-// Share of upright frames that the axes of the hips need.
-constexpr double kMinUpright = 0.2;
 // Mean sine of the bend below which a hinge axis is unknown.
 constexpr double kMinBend = 0.1;
 
@@ -75,12 +72,7 @@ class Learner {
  public:
   Learner(const Body& body, const std::vector<JointPoses>& poses, const Eigen::Vector3d& up,
           JointFromBone start)
-      : body_(body), poses_(poses), up_(up), axes_(std::move(start)) {
-    for (const JointPoses& pose : poses) {
-      const auto trunk = trunk_direction(body, pose);
-      if (trunk && trunk->dot(up) > kUpright) upright_.push_back(&pose);
-    }
-  }
+      : body_(body), means_(body, poses, up), axes_(std::move(start)) {}
 
   LearnedAxes learn() {
     learn_trunk();
@@ -143,63 +135,18 @@ class Learner {
     for (const LimbBone part : parts) axes_[side_bone(side, part)] = start[side_bone(side, part)];
   }
 
-  // Mean of a world direction in joint coordinates.
-  template <typename Direction>
-  [[nodiscard]] Eigen::Vector3d mean(int joint, const Direction& direction) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const JointPoses& pose : poses_) {
-      sum += pose[joint].rotation.conjugate() * Eigen::Vector3d(direction(pose));
-    }
-    return sum / static_cast<double>(poses_.size());
-  }
-  [[nodiscard]] Eigen::Vector3d mean_vertical_upright(int joint) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const JointPoses* pose : upright_) sum += (*pose)[joint].rotation.conjugate() * up_;
-    return sum;
-  }
-  [[nodiscard]] Eigen::Vector3d mean_course(int joint, const Segment& segment) const {
-    return mean(joint, [&](const JointPoses& pose) {
-      const auto way = along(segment, pose);
-      return way ? Eigen::Vector3d(way->normalized()) : Eigen::Vector3d(0, 0, 0);
-    });
-  }
-  // Mean direction from the right to the left bone of a pair.
-  [[nodiscard]] Eigen::Vector3d mean_line(int joint, LimbBone part) const {
-    const int left = body_.joint(side_bone(Side::kLeft, part));
-    const int right = body_.joint(side_bone(Side::kRight, part));
-    if (left < 0 || right < 0) return Eigen::Vector3d::Zero();
-    return mean(joint, [&](const JointPoses& pose) {
-      return (pose[left].translation - pose[right].translation).normalized();
-    });
-  }
-
   void set(Bone bone, const Eigen::Vector3d& first, const Eigen::Vector3d& second, int first_axis,
            int second_axis, double error) {
     if (!are_apart(first, second)) return;
     axes_[bone] = square(first, second, first_axis, second_axis);
     error_[bone] = error;
   }
-  [[nodiscard]] bool shows_upright() const {
-    return static_cast<double>(upright_.size()) >= kMinUpright * static_cast<double>(poses_.size());
-  }
-
-  // Mean direction from the middle of the hip joints to the torso's joint, vertical in a T-pose.
-  [[nodiscard]] Eigen::Vector3d mean_lower_trunk(int joint) const {
-    const int left = body_.joint(Bone::kLeftUpLeg), right = body_.joint(Bone::kRightUpLeg);
-    const int torso = body_.joint(Bone::kSpine2);
-    if (left < 0 || right < 0 || torso < 0) return Eigen::Vector3d::Zero();
-    return mean(joint, [&](const JointPoses& pose) {
-      const Eigen::Vector3d middle = 0.5 * (pose[left].translation + pose[right].translation);
-      return (pose[torso].translation - middle).normalized();
-    });
-  }
-
   void learn_hips() {
     const int hips = body_.turning_joint(Bone::kHips);
-    const Eigen::Vector3d line = mean_line(hips, kUpLeg);
-    const Eigen::Vector3d above = mean_lower_trunk(hips);
-    if (shows_upright() || above.isZero()) {
-      set(Bone::kHips, line, mean_vertical_upright(hips), 2, 0, kErrorOfStanding);
+    const Eigen::Vector3d line = means_.line(hips, kUpLeg);
+    const Eigen::Vector3d above = means_.lower_trunk(hips);
+    if (means_.shows_upright() || above.isZero()) {
+      set(Bone::kHips, line, means_.vertical_upright(hips), 2, 0, kErrorOfStanding);
     } else {
       set(Bone::kHips, line, above, 2, 0, kErrorOfBuild);
     }
@@ -210,13 +157,13 @@ class Learner {
     const int torso = body_.turning_joint(Bone::kSpine2);
     const auto& torso_axes = axes_[Bone::kSpine2];
     if (head < 0) return;
-    Eigen::Vector3d above = mean_vertical_upright(head);
-    if (!shows_upright() && torso >= 0 && torso_axes) {
-      above = mean(head, [&](const JointPoses& pose) {
+    Eigen::Vector3d above = means_.vertical_upright(head);
+    if (!means_.shows_upright() && torso >= 0 && torso_axes) {
+      above = means_.mean(head, [&](const JointPoses& pose) {
         return Eigen::Vector3d(pose[torso].rotation * torso_axes->col(0));
       });
     }
-    set(Bone::kHead, above, mean_line(head, kArm), 0, 2, kErrorOfBuild);
+    set(Bone::kHead, above, means_.line(head, kArm), 0, 2, kErrorOfBuild);
   }
 
   void learn_trunk() {
@@ -226,7 +173,7 @@ class Learner {
       const Segment& segment = body_.segment(bone);
       // The direction of a spine that ends at an unmapped child is unknown.
       if (joint < 0 || !segment.known() || segment.end_joint == segment.joint) continue;
-      set(bone, mean_course(joint, segment), mean_line(joint, kArm), 0, 2, kErrorOfStanding);
+      set(bone, means_.course(joint, segment), means_.line(joint, kArm), 0, 2, kErrorOfStanding);
     }
     learn_head();
   }
@@ -235,8 +182,8 @@ class Learner {
     const Bone clavicle = side_bone(side, kShoulder);
     const int joint = body_.turning_joint(clavicle);
     if (joint < 0 || !body_.has(Bone::kSpine2)) return;
-    set(clavicle, mean_course(joint, body_.segment(clavicle)),
-        sign * mean_course(joint, body_.segment(Bone::kSpine2)), 0, 2, kErrorOfBuild);
+    set(clavicle, means_.course(joint, body_.segment(clavicle)),
+        sign * means_.course(joint, body_.segment(Bone::kSpine2)), 0, 2, kErrorOfBuild);
   }
 
   void learn_leg(Side side) {
@@ -254,7 +201,8 @@ class Learner {
   // skeletons the elbow is straight, even where the pose as a whole is not human.
   void straighten_elbow(Side side) {
     const Bone arm = side_bone(side, kArm), forearm = side_bone(side, kForeArm);
-    if (body_.turning_joint(forearm) < 0 || along(body_.segment(forearm), poses_.front())) return;
+    if (body_.turning_joint(forearm) < 0 || along(body_.segment(forearm), means_.poses().front()))
+      return;
     const auto& of_arm = axes_[arm];
     if (!of_arm) return;
     axes_[forearm] = *of_arm * canonical_t_pose(arm).transpose() * canonical_t_pose(forearm);
@@ -266,13 +214,14 @@ class Learner {
     const Bone bone = side_bone(side, part);
     const int joint = body_.turning_joint(bone);
     if (joint < 0 || !body_.has(upper) || !body_.has(lower)) return;
-    const Eigen::Vector3d normal = mean(joint, [&](const JointPoses& pose) {
+    const Eigen::Vector3d normal = means_.mean(joint, [&](const JointPoses& pose) {
       const auto a = along(body_.segment(upper), pose), b = along(body_.segment(lower), pose);
       return a && b ? Eigen::Vector3d(a->normalized().cross(b->normalized()))
                     : Eigen::Vector3d(0, 0, 0);
     });
     // The neutral direction of a hand is the direction of the forearm.
-    const Eigen::Vector3d course = mean_course(joint, body_.segment(part == kHand ? lower : bone));
+    const Eigen::Vector3d course =
+        means_.course(joint, body_.segment(part == kHand ? lower : bone));
     if (normal.norm() < kMinBend || !are_apart(course, normal)) return;
     const Eigen::Matrix3d hinge = square(course, normal, 0, 2);
     const Eigen::Vector3d x = hinge.col(0);
@@ -293,12 +242,12 @@ class Learner {
   [[nodiscard]] std::optional<Eigen::Matrix3d> level_axes(Side side, int toe,
                                                           std::size_t min_flat = 1) const {
     Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
-    const std::vector<const JointPoses*> flat = flat_frames(side);
+    const std::vector<const JointPoses*> flat = means_.flat_poses(side);
     if (flat.size() < min_flat) return std::nullopt;
     for (const JointPoses* pose : flat) {
-      const auto way = foot_direction(side, *pose);
+      const auto way = means_.foot_direction(side, *pose);
       if (!way) continue;
-      vertical += (*pose)[toe].rotation.conjugate() * up_;
+      vertical += (*pose)[toe].rotation.conjugate() * means_.up();
       heading += (*pose)[toe].rotation.conjugate() * way->normalized();
     }
     if (!are_apart(vertical, heading)) return std::nullopt;
@@ -312,14 +261,14 @@ class Learner {
     const int knee = body_.turning_joint(shin);
     const auto& shin_axes = axes_[shin];
     if (knee < 0 || !shin_axes) return std::nullopt;
-    const Eigen::Vector3d lateral = mean(toe, [&](const JointPoses& pose) {
+    const Eigen::Vector3d lateral = means_.mean(toe, [&](const JointPoses& pose) {
       return Eigen::Vector3d(pose[knee].rotation * shin_axes->col(2));
     });
     // Toes may be bent, so their own direction is better than that of the foot.
     const bool has_toes = body_.turning_joint(toe_bone) == toe && body_.segment(toe_bone).known();
     const Bone pointing = has_toes ? toe_bone : foot_bone;
     if (!body_.segment(pointing).known()) return std::nullopt;
-    const Eigen::Vector3d course = mean_course(toe, body_.segment(pointing));
+    const Eigen::Vector3d course = means_.course(toe, body_.segment(pointing));
     if (!are_apart(course, lateral)) return std::nullopt;
     return square(course, lateral, 0, 2) * canonical_t_pose(pointing).transpose() *
            canonical_t_pose(toe_bone);
@@ -334,8 +283,8 @@ class Learner {
     auto level = level_axes(side, toe);
     const double error = level ? kErrorOfStanding : kErrorOfBuild;
     // In an upright body, the foot of the best frame is closer than one that is built.
-    if (!level && !shows_upright()) level = axes_under_shin(side, toe);
-    if (level || shows_upright()) error_[foot_bone] = error_[toe_bone] = error;
+    if (!level && !means_.shows_upright()) level = axes_under_shin(side, toe);
+    if (level || means_.shows_upright()) error_[foot_bone] = error_[toe_bone] = error;
     if (!level) return;
     if (!has_toe) {
       // Choose the foot's axes such that a toe would be level.
@@ -344,43 +293,13 @@ class Learner {
       return;
     }
     axes_[toe_bone] = level;
-    const Eigen::Vector3d lateral =
-        mean(foot, [&](const JointPoses& pose) { return pose[toe].rotation * level->col(2); });
-    set(foot_bone, mean_course(foot, body_.segment(foot_bone)), lateral, 0, 2, error);
-  }
-
-  // Direction of the foot; for an ankle without toes, the direction that the body faces.
-  [[nodiscard]] std::optional<Eigen::Vector3d> foot_direction(Side side,
-                                                              const JointPoses& pose) const {
-    const Segment& foot = body_.segment(side_bone(side, kFoot));
-    if (foot.known()) return along(foot, pose);
-    const auto axes = body_axes(body_, pose, up_);
-    return axes ? std::optional<Eigen::Vector3d>(axes->row(0)) : std::nullopt;
-  }
-
-  // Poses with an upright shin in which the ankle is as low as on the floor.
-  [[nodiscard]] std::vector<const JointPoses*> flat_frames(Side side) const {
-    const int ankle = body_.joint(side_bone(side, kFoot));
-    std::vector<double> heights;
-    for (const JointPoses& pose : poses_) heights.push_back(up_.dot(pose[ankle].translation));
-    std::vector<double> sorted = heights;
-    const auto tenth = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
-    std::ranges::nth_element(sorted, tenth);
-    std::vector<const JointPoses*> flat;
-    for (std::size_t i = 0; i < heights.size(); ++i) {
-      const auto shin = along(body_.segment(side_bone(side, kLeg)), poses_[i]);
-      // 3 cm for an adult.
-      const double limit = *tenth + 0.07 * (shin ? shin->norm() : 0.0);
-      const bool stands = !shin || shin->normalized().dot(-up_) > kUpright;
-      if (stands && heights[i] <= limit) flat.push_back(&poses_[i]);
-    }
-    return flat;
+    const Eigen::Vector3d lateral = means_.mean(
+        foot, [&](const JointPoses& pose) { return pose[toe].rotation * level->col(2); });
+    set(foot_bone, means_.course(foot, body_.segment(foot_bone)), lateral, 0, 2, error);
   }
 
   const Body& body_;
-  const std::vector<JointPoses>& poses_;
-  Eigen::Vector3d up_;
-  std::vector<const JointPoses*> upright_;
+  MovementMeans means_;
   JointFromBone axes_;
   BoneArray<double> error_{kErrorOfGuess};
 };
