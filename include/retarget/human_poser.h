@@ -16,6 +16,9 @@ namespace RETARGET_API retarget {
 class HumanPoser {
  public:
   HumanPoser(const Clip& clip, const Calibration& calibration);
+  HumanPoser(const Clip&& clip, const Calibration& calibration) = delete;
+  HumanPoser(const Clip& clip, const Calibration&& calibration) = delete;
+  HumanPoser(const Clip&& clip, const Calibration&& calibration) = delete;
 
   [[nodiscard]] HumanClipInfo info() const;
 

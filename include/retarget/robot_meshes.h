@@ -35,8 +35,8 @@ struct RobotMeshes {
 /// @param named  the user's choice; empty: none. Either another model of the robot, used instead of
 ///     its own, or a folder. The folder is searched first for the model's files, then for files
 ///     named like bodies: in the bodies' frames, in metres, or in millimetres if larger than 10 m.
-/// @return errors only for `named`: no such folder (kUsage); an unreadable mesh, or no matching
-///     mesh (kInput); an unreadable model (kConfig).
+/// @return errors only for `named`: no such folder (kUsage); no readable mesh of a body (kInput); an
+///     unreadable model (kConfig).
 [[nodiscard]] Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& model,
                                                     const std::string& named = {});
 

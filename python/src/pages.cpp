@@ -87,8 +87,9 @@ nb::str page_html(const nb::list& motions, const nb::list& clips, const nb::list
     gates_of(gates, motion->robot.loaded.data_folder).judge(shown.back().report);
   }
   if (first == nullptr) raise(usage_failure("view: expected at least one motion").value());
+  RobotMeshes loaded;
   const std::string page = without_gil([&]() -> Result<std::string> {
-    RETARGET_TRY_ASSIGN(const RobotMeshes loaded,
+    RETARGET_TRY_ASSIGN(loaded,
                         load_robot_meshes(*first->robot, first->robot.loaded.model, meshes));
     std::vector<PageMotion> all;
     for (const ShownMotion& each : shown) {
@@ -104,6 +105,7 @@ nb::str page_html(const nb::list& motions, const nb::list& clips, const nb::list
     options.title = title;
     return view_page(all, options);
   });
+  if (!meshes.empty()) warn(loaded.notes, meshes);
   return text_of(page);
 }
 

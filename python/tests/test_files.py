@@ -151,6 +151,13 @@ def test_a_page_of_files(walk_npz: Path, data: Path, tmp_path: Path, command) ->
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
 
 
+def test_damaged_meshes_of_a_page_are_warnings(walked: retarget.Motion, tmp_path: Path) -> None:
+    (tmp_path / "left_knee_link.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "right_knee_link.obj").write_text("v 0 0 0\nv 1 0 x\n")
+    with pytest.warns(match=r"cannot be read: right_knee_link\.obj"):
+        retarget.view(walked[:10], meshes=tmp_path)
+
+
 def test_pages_side_by_side(walked: retarget.Motion, walk: retarget.Clip,
                             g1: retarget.Robot) -> None:
     other = retarget.to_robot(walk, g1, method="gmr")

@@ -289,6 +289,23 @@ def test_the_joints_are_those_of_the_recorded_variant(variant: str, kind: str, d
     assert features["action"]["shape"] == [29]
 
 
+@pytest.mark.parametrize("kind", ["lerobot", "motion_v1"])
+def test_a_clip_that_changes_after_its_hash_is_an_error(kind: str, data: Path, tmp_path: Path,
+                                                        monkeypatch: pytest.MonkeyPatch) -> None:
+    found = packs.clips_of(batch_of_wave(data, tmp_path))
+    load = retarget.load_motion
+
+    def replace_and_load(file: Path, *args: object, **options: object) -> retarget.Motion:
+        text = file.read_text().split("\n")
+        file.write_text("\n".join(text[:10]) + "\n")
+        return load(file, *args, **options)
+
+    monkeypatch.setattr(retarget, "load_motion", replace_and_load)
+    with pytest.raises(retarget.InputError, match=r"wave\.csv: changed while it was read"):
+        writer(kind)(found, tmp_path / "set", robot="g1")
+    assert not (tmp_path / "set").exists()
+
+
 @pytest.mark.parametrize("kind", ["lerobot", "motion_v1", "webdataset"])
 def test_a_changed_clip_is_an_error(kind: str, data: Path, tmp_path: Path) -> None:
     write = writer(kind)

@@ -218,6 +218,7 @@ class GalleryMaker {
     RETARGET_TRY(write_file((folder_ / clip.picture).generic_string(),
                             draw_strip_picture(motion.clip, nullptr, picture)));
     RETARGET_TRY(write_file((folder_ / clip.page).generic_string(), page));
+    for (const std::string& note : meshes.notes) lacks += (lacks.empty() ? "" : "; ") + note;
     return lacks;
   }
 

@@ -111,6 +111,14 @@ class Gallery(GalleryTest):
         self.assertIn("../index.html", page)
         self.assertNotIn("<b>3", page)
 
+    def test_damaged_meshes_are_named_beside_the_clip(self):
+        self.batch(clips=("walk",))
+        self.write("meshes/left_knee_link.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        self.write("meshes/right_knee_link.obj", "v 0 0 0\nv 1 0 x\n")
+        self.assert_done(self.gallery("--meshes", "meshes"))
+        [clip] = self.index()["clips"]
+        self.assertIn("the meshes of a body cannot be read: right_knee_link.obj", clip["message"])
+
     def header(self, clip):
         return data_of(self.folder / "gallery" / clip["page"], "page-header")
 

@@ -98,6 +98,12 @@ class OneMovementStoredDifferently(ToolTest):
         stated = self.retarget("--method", "gmr", "--up", "y", bvh=tilted)
         self.assertIn("is tilted", stated.stderr)
 
+    def test_a_tilt_found_by_balance_is_approximate(self):
+        tilted = self.write("leaning.bvh", under_a_root("wave", ("0", "0", "20")))
+        result = self.retarget("--method", "gmr", bvh=tilted)
+        self.assert_done(result)
+        self.assertRegex(result.stderr, r"is tilted by about \d+ degrees: .*--up \S+ levels the clip to within about 8")
+
     def test_prefixes_of_names(self):
         self.assert_twin("walk", renamed("walk", lambda joint: "Actor1:" + joint))
         self.assert_twin("walk", renamed("walk", lambda joint: "actor_" + joint))

@@ -137,7 +137,7 @@ class PositionsFiles(PositionsTest):
                 (numpy.zeros((5, 9, 3)), ("--source-fps", 30), ("9 joints", "--joint-names")),
                 (numpy.zeros((2, 5, 9, 3)), (), ("2 motions", "--take")),
                 (numpy.full((5, 22, 3), numpy.nan), (), ("NaN in frame 0, joint 0",)),
-                (numpy.zeros((5, 9, 3)), (), ("no frame rate", "--source-fps")),
+                (numpy.zeros((5, 9, 3)), (), ("no known joint order has 9 joints",)),
                 (numpy.zeros((5, 22, 3)), ("--joint-names", "few.txt"),
                  ("22 joints", "2 names")),
                 (numpy.zeros((5, 2, 3)), ("--joint-names", "few.txt", "--source-fps", 30),
@@ -158,6 +158,13 @@ class PositionsFiles(PositionsTest):
                                         "bad.json"), 4, "found another value")
         self.assert_fails(self.run_tool(sample("walk"), "g1", "-o", "out.csv", "--joint-names",
                                         "few.txt"), 2, "--joint-names applies only to joint positions")
+
+    def test_a_missing_rate_is_reported_after_faults_that_it_does_not_repair(self):
+        noise = numpy.random.default_rng(1).normal(size=(60, 22, 3))
+        for places, words in ((noise, "the skeleton is not human"),
+                              (self.smpl_places(), "no frame rate")):
+            numpy.savez(self.folder / "odd.npz", joints=places, joint_names=SMPL)
+            self.assert_fails(self.run_tool("odd.npz", "g1", "-o", "out.csv"), 3, words)
 
     def test_kimodo_has_rotations(self):
         names, places = self.places_of(sample("walk"))

@@ -1,5 +1,6 @@
 """Meshes of pages, as a maker's model names them: their locations, and missing files."""
 
+import shutil
 import struct
 import unittest
 
@@ -266,6 +267,28 @@ class Meshes(ToolTest):
         said = self.page().stderr
         self.assertIn("all mesh files of model.xml are missing", said)
         self.assertEqual(self.shown(), {})
+
+    def test_damaged_meshes_of_a_folder_are_drawn_as_primitives(self):
+        self.make_maker()
+        self.make("elsewhere/trunk.stl", "solid\nvertex 1 2 x")
+        self.make("elsewhere/arm.stl", binary_stl(1000))
+        for model in ((), ("--meshes", "elsewhere"), ("--meshes", "other.xml")):
+            self.make("maker/assets/trunk.stl", "solid\nvertex 1 2 x")
+            self.make("other.xml", MODEL.replace("assets", "maker/assets"))
+            said = unwrapped(self.page(*model).stderr)
+            self.assertIn("cannot be read: trunk.stl: expected three", said)
+            self.assertEqual(self.shown().keys(), {"upper"})
+        # The folder's files named like bodies.
+        self.make("bodies/base.stl", "solid\nvertex 1 2 x")
+        self.make("bodies/upper.stl", binary_stl(1000))
+        shutil.rmtree(self.folder / "maker/assets")
+        said = unwrapped(self.page("--meshes", "bodies").stderr)
+        self.assertIn("the meshes of a body cannot be read: base.stl", said)
+        self.assertEqual(self.shown().keys(), {"upper"})
+        (self.folder / "bodies/upper.stl").unlink()
+        result = self.run_tool("view", "a.csv", "--robot-xml", "maker/model.xml", "--source-quat", "xyzw",
+                               "--meshes", "bodies", "-o", "bad.html")
+        self.assert_fails(result, 3, "bodies")
 
     def test_files_outside_the_package_are_not_opened(self):
         self.make_maker()

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "formats/containers/npz.h"
+#include "retarget/text.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 #include "support/value_of.h"
@@ -175,6 +176,37 @@ TEST(FormatRegistry, ReportsRobotMotionsGivenAsHuman) {
     const auto human = read_human(bytes);
     ASSERT_FALSE(human) << format.name;
     EXPECT_THAT(human.error().hint, HasSubstr("NAME names the robot")) << format.name;
+  }
+}
+
+TEST(FormatRegistry, BelievesTheNameOfAnUnknownContent) {
+  const SourceOptions source;
+  const auto message_of = [&](const std::string& name, const std::string& bytes) {
+    const auto read = read_human_file(bytes, name, {source, false, std::size_t{1} << 30U});
+    return read ? "no error" : read.error().message;
+  };
+  for (const auto& [name, words] :
+       std::map<std::string, std::string>{{"walk.npz", "not an NPZ file: no ZIP header"},
+                                          {"walk.NPY", "not an NPY file: no NumPy header"},
+                                          {"walk.pkl", "not a Python pickle"},
+                                          {"walk.fbx", "not an FBX file"},
+                                          {"walk.bvh", "expected HIERARCHY"},
+                                          {"walk", "expected HIERARCHY"}}) {
+    EXPECT_THAT(message_of(name, "a text\n"), HasSubstr(words)) << name;
+    EXPECT_THAT(message_of(name, "<!doctype html>"), HasSubstr("a web page")) << name;
+    EXPECT_EQ(message_of(name, human_samples().at("bvh")), "no error") << name;
+  }
+  const auto robot = parse_robot_motion("a text\nb\n", load_g1(), "walk.npz", {});
+  ASSERT_FALSE(robot);
+  EXPECT_EQ(robot.error().message, "not an NPZ file: no ZIP header");
+  // All binary formats of the table have a header.
+  for (const Format& format : all_formats()) {
+    if (format.family.reads(FileKind::kOther)) continue;
+    std::string_view endings = format.family.endings;
+    while (!endings.empty()) {
+      const std::string_view ending = take_until(endings, ' ');
+      EXPECT_FALSE(missing_header(ending).empty()) << ending;
+    }
   }
 }
 

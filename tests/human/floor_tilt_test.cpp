@@ -32,6 +32,7 @@ TEST(FloorTilt, MeasuresTheTiltOfAWalk) {
       const Vector3d turn = degrees * kDegree * axis;
       const auto found = tilt_of(walk, turn);
       ASSERT_TRUE(found) << degrees;
+      EXPECT_FALSE(found->by_balance);
       EXPECT_NEAR(found->angle, degrees * kDegree, kDegree);
       EXPECT_LT(angle_between(found->up, exp_so3(turn) * Vector3d::UnitZ()), 1.5 * kDegree);
     }
@@ -83,6 +84,7 @@ TEST(FloorTilt, OfABodyThatStandsOnOneSpotFollowsFromItsBalance) {
           Vector3d(-12.0 * kDegree, 16.0 * kDegree, 0.0)}) {
       const auto found = tilt_of(recorded_clip(name), turn);
       ASSERT_TRUE(found) << name;
+      EXPECT_TRUE(found->by_balance) << name;
       EXPECT_LT(angle_between(found->up, exp_so3(turn) * Vector3d::UnitZ()), 5.0 * kDegree) << name;
     }
   }

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <type_traits>
 
+#include "retarget/human_poser.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {
@@ -16,6 +18,11 @@ Joint joint(const std::string& name, int parent, Eigen::Vector3d offset) {
   result.offset = offset;
   return result;
 }
+
+// A poser refers to its arguments.
+static_assert(std::is_constructible_v<HumanPoser, const Clip&, const Calibration&>);
+static_assert(!std::is_constructible_v<HumanPoser, const Clip&, Calibration>);
+static_assert(!std::is_constructible_v<HumanPoser, Clip, const Calibration&>);
 
 // A leg that stands on a platform, in centimetres with y up.
 Clip leg_clip(const std::string& toe) {

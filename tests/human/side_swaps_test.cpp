@@ -61,6 +61,24 @@ TEST(SideSwaps, OfArmsAreUndoneAlone) {
   EXPECT_EQ(tracks, walking());
 }
 
+TEST(SideSwaps, OfArmsExchangeCollarbonesThatExchangeToo) {
+  std::vector<std::string> names = kNames;
+  names.insert(names.end(), {"left_collar", "right_collar", "left_eye", "right_eye"});
+  Tracks tracks = walking();
+  const auto at = [&](double side) {
+    std::vector<Vector3d> track = walking().back();
+    for (Vector3d& place : track) place.y() = 0.03 * side;
+    return track;
+  };
+  for (const double side : {1.0, -1.0, 1.0, -1.0}) tracks.push_back(at(side));
+  const Tracks expected = tracks;
+  exchange(tracks, kLegJoints, kNames.size() - 1, 40, 50);
+  exchange(tracks, kNames.size(), kNames.size() + 2, 40, 50);
+  EXPECT_THAT(undo_side_swaps(tracks, names, 0.1).undone,
+              ElementsAre("the arms exchanged sides in 10 frames"));
+  EXPECT_EQ(tracks, expected);
+}
+
 TEST(SideSwaps, ThatLastAreReported) {
   Tracks tracks = walking();
   exchange(tracks, 0, kLegJoints, 30, kSwapFrames);

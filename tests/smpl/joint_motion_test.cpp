@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -159,8 +160,10 @@ TEST(JointMotionTest, ReportsAssumedRates) {
   };
   EXPECT_EQ(to_text(joints_of(places("global_joint_positions", 22)).rate), "30");
   EXPECT_EQ(to_text(joints_of(npy_doubles({2, 53, 3}, counted(318))).rate), "120");
-  EXPECT_THAT(joint_error(places("joints", 24)), HasSubstr("no frame rate"));
-  EXPECT_THAT(joint_error(places("joints", 24)), HasSubstr("--source-fps"));
+  const auto unknown = joints_of(places("joints", 24)).no_rate;
+  ASSERT_TRUE(unknown);
+  EXPECT_THAT(unknown->message, HasSubstr("no frame rate"));
+  EXPECT_THAT(unknown->hint, HasSubstr("source-fps"));
 }
 
 TEST(JointMotionTest, ReadsRatesByTheirUsualNames) {
@@ -180,9 +183,17 @@ TEST(JointMotionTest, ReadsRatesByTheirUsualNames) {
     EXPECT_EQ(to_text(motion.rate), "30") << time;
     EXPECT_EQ(texts_of(motion), "") << time;
   }
+  NpzWriter two;
+  two.add("joints", float64_array(counted(132), {2, 22, 3}));
+  two.add("frame_time", float64_array(std::vector<double>{1.0 / 60.0}, {}));
+  two.add("dt", float64_array(std::vector<double>{1.0 / 30.0}, {}));
+  EXPECT_THAT(joint_error(two.finish().value()),
+              HasSubstr("which gives 30 frames per second, but frame_time gives 60"));
   EXPECT_THAT(joint_error(file("dt", -1.0, true)), HasSubstr("expected seconds per frame"));
   // Without a rate, 22 joints are HumanML3D's only if the file does not name them.
-  EXPECT_THAT(joint_error(file("other", 30, true)), HasSubstr("no frame rate: found none of"));
+  const auto unknown = joints_of(file("other", 30, true)).no_rate;
+  ASSERT_TRUE(unknown);
+  EXPECT_THAT(unknown->message, HasSubstr("no frame rate: found none of"));
   EXPECT_EQ(joints_of(file("other", 30, false)).order_of_rate, "SMPL");
   EXPECT_EQ(joints_of(file("dt", 0.05, false)).order_of_rate, "");
   EXPECT_EQ(joints_of(file("dt", 0.05, false)).up, std::nullopt);
@@ -213,6 +224,57 @@ TEST(JointMotionTest, KimodoHasRotations) {
               HasSubstr("invalid rotation matrix in frame 0, joint 0"));
   EXPECT_THAT(joint_error(kimodo(22, -1.0)),
               HasSubstr("invalid rotation matrix in frame 0, joint 0"));
+}
+
+// Two bodies of 22 joints, a metre apart, that move by a millimetre per frame.
+std::vector<double> two_people(std::size_t frames, bool frames_first) {
+  std::vector<double> values;
+  const std::size_t first = frames_first ? frames : 2, second = frames_first ? 2 : frames;
+  for (std::size_t i = 0; i < first; ++i) {
+    for (std::size_t j = 0; j < second; ++j) {
+      const auto frame = static_cast<double>(frames_first ? i : j);
+      const auto person = static_cast<double>(frames_first ? j : i);
+      for (std::size_t number = 0; number < 66; ++number) {
+        values.push_back(0.01 * static_cast<double>(number) + 0.001 * frame + person);
+      }
+    }
+  }
+  return values;
+}
+
+TEST(JointMotionTest, FindsTheAxisOfPeople) {
+  ArrayReadOptions second;
+  second.take = "2";
+  const std::string people = npy_doubles({20, 2, 22, 3}, two_people(20, true));
+  const std::string motions = npy_doubles({2, 20, 22, 3}, two_people(20, false));
+  EXPECT_THAT(joint_error(people), AllOf(HasSubstr("the file holds 2 people"),
+                                         HasSubstr("--take N chooses one, 1 to 2")));
+  EXPECT_THAT(joint_error(motions), HasSubstr("the file holds 2 motions"));
+  for (const std::string* bytes : {&people, &motions}) {
+    const JointMotion motion = joints_of(*bytes, second);
+    EXPECT_EQ(motion.frame_count, 20);
+    EXPECT_NEAR(motion.position(3, 1).x(), 1.033, 1e-12);
+  }
+  std::vector<double> alone = two_people(40, true);
+  alone.resize(alone.size() / 2);
+  EXPECT_EQ(joints_of(npy_doubles({40, 1, 22, 3}, alone)).frame_count, 40);
+  // Copies of one motion.
+  std::vector<double> copies = two_people(20, false);
+  std::copy_n(copies.begin(), copies.size() / 2, copies.begin() + 20 * 66);
+  EXPECT_THAT(joint_error(npy_doubles({2, 20, 22, 3}, copies)), HasSubstr("2 motions"));
+  // The choice of a motion is not a choice of a frame.
+  EXPECT_THAT(joint_error(npy_doubles({20, 2, 17, 3}, counted(2040)), second),
+              HasSubstr("20 frames of 2 people"));
+}
+
+TEST(JointMotionTest, KnowsTheNamesOfOtherPrograms) {
+  for (const char* name :
+       {"keypoints", "keypoints3d", "keypoints_3d", "joints3d", "joints_3d", "poses3d",
+        "pred_keypoints_3d", "positions_3d", "xyz", "pose_world_landmarks", "Joints3D"}) {
+    NpzWriter writer;
+    writer.add(name, float64_array(counted(132), {2, 22, 3}));
+    EXPECT_EQ(joints_of(writer.finish().value()).frame_count, 2) << name;
+  }
 }
 
 TEST(JointMotionTest, RejectsOtherArrays) {

@@ -101,6 +101,25 @@ TEST(SmplFingersTest, MayHaveSeparateArrays) {
   apart.emplace_back("left_hand_pose", npy_doubles({kHandFrames, 45}, left));
   apart.emplace_back("right_hand_pose", npy_doubles({kHandFrames, 45}, right));
   expect_fingers(motion_with_hands(file_of(apart)), hands);
+  // One hand alone; the other one rests.
+  for (const bool is_left : {true, false}) {
+    Arrays one = body;
+    one.push_back(apart[apart.size() - (is_left ? 2 : 1)]);
+    std::vector<double> expected = hands;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      if ((i % 90 < 45) != is_left) expected[i] = 0.0;
+    }
+    const SmplMotion motion = motion_with_hands(file_of(one));
+    expect_fingers(motion, expected);
+    const bool is_told = std::ranges::any_of(motion.warnings, [&](const Warning& warning) {
+      return warning.message ==
+             (is_left ? "no right_hand_pose next to left_hand_pose: the fingers of the right hand "
+                        "stay at rest"
+                      : "no left_hand_pose next to right_hand_pose: the fingers of the left hand "
+                        "stay at rest");
+    });
+    EXPECT_TRUE(is_told);
+  }
 }
 
 TEST(SmplFingersTest, IgnoresOtherColumns) {

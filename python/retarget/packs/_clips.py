@@ -247,6 +247,15 @@ def is_name(name: str) -> bool:
     return "\\" not in name and all(part not in ("", ".", "..") for part in name.split("/"))
 
 
+def _version(file: Path) -> tuple[int, int, int] | None:
+    """Returns what changes with the contents of a file; None: no such file."""
+    try:
+        status = file.stat()
+    except OSError:
+        return None
+    return status.st_ino, status.st_size, status.st_mtime_ns
+
+
 def _rate_in(sidecar: Path) -> float | None:
     """Returns the rate that the sidecar of a CSV records; None: it has none."""
     try:
@@ -276,7 +285,8 @@ class MotionReader:
 
         Raises:
             UsageError: files without `robot`, or motions that differ in joints or frame rate.
-            InputError: a file that is not a motion of the robot, or has changed since the batch.
+            InputError: a file that is not a motion of the robot, has changed since the batch, or
+                changes while it is read.
         """
         if isinstance(clips, BatchClips):
             self._batch = clips
@@ -295,8 +305,11 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        if self._batch.hashes.get(name) and Path(source).is_file():
-            self._batch.check_unchanged(name, source, Path(source).read_bytes())
+        file = Path(source)
+        is_hashed = bool(self._batch.hashes.get(name)) and file.is_file()
+        before = _version(file)
+        if is_hashed:
+            self._batch.check_unchanged(name, source, file.read_bytes())
         recorded = self._batch.robots.get(name, self.robot.name)
         if recorded not in _names_of(self.robot):
             raise UsageError(f"clips[{name!r}]: the batch records a motion of {recorded}, but "
@@ -305,8 +318,12 @@ class MotionReader:
         options = dict(self._batch.csv_units.get(name, {}))
         if variant := self._batch.variants.get(name):
             options["source_dof"] = variant
-        return retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
-                                    **options)
+        motion = retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
+                                      **options)
+        # The hash is of other bytes than the motion's if the file was replaced in between.
+        if is_hashed and _version(file) != before:
+            raise InputError(f"{file}: changed while it was read", file=os.fspath(source))
+        return motion
 
     def _take_recorded_variant(self) -> None:
         """Replaces a robot given by name by its variant that all files have."""

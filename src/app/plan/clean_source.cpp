@@ -15,6 +15,7 @@
 #include "human/gait/floor_tilt.h"
 #include "human/gait/repeated_frames.h"
 #include "human/gait/source_jumps.h"
+#include "human/gait/standing_balance.h"
 #include "human/gait/track_faults.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
@@ -223,11 +224,20 @@ void doubt_level(const Clip& clip, Plan& plan) {
   const auto tilt = find_floor_tilt(poser, plan.part);
   if (!tilt) return;
   const Eigen::Vector3d up = plan.human.calibration.human_from_source.transpose() * tilt->up;
+  const std::string option =
+      fmt::format(OPTION("up") " {:.3f},{:.3f},{:.3f}", up.x(), up.y(), up.z());
+  const double degrees = tilt->angle * 180.0 / std::numbers::pi;
   plan.clip_doubts.push_back(
       {0, 0,
-       fmt::format("the floor is tilted by {:.0f} degrees: standing feet and the body above them "
-                   "agree; " OPTION("up") " {:.3f},{:.3f},{:.3f} levels the clip",
-                   tilt->angle * 180.0 / std::numbers::pi, up.x(), up.y(), up.z())});
+       tilt->by_balance
+           ? fmt::format(
+                 "the world is tilted by about {:.0f} degrees: a body that stands still on "
+                 "one spot is balanced only then; {} levels the clip to within about {:.0f} "
+                 "degrees",
+                 degrees, option, kBalanceError)
+           : fmt::format("the floor is tilted by {:.0f} degrees: standing feet and the body above "
+                         "them agree; {} levels the clip",
+                         degrees, option)});
 }
 
 Result<void> scale_source_travel(Clip& clip, Plan& plan) {

@@ -230,7 +230,33 @@ FileType archive_type(std::string_view bytes) {
   return {FileKind::kNpz, "a ZIP archive (or NPZ)", kUnpackHint};
 }
 
+struct NamedType {
+  std::string_view ending, lack;
+};
+
+constexpr std::array kNamedTypes = {
+    NamedType{".npz", "not an NPZ file: no ZIP header"},
+    NamedType{".npy", "not an NPY file: no NumPy header"},
+    NamedType{".pt", "not a PyTorch file: no ZIP header"},
+    NamedType{".motion", "not a PyTorch file: no ZIP header"},
+    NamedType{".pkl", "not a Python pickle: no pickle header"},
+    NamedType{".pickle", "not a Python pickle: no pickle header"},
+    NamedType{".p", "not a Python pickle: no pickle header"},
+    NamedType{".joblib", "not a joblib file: no pickle or zlib header"},
+    NamedType{".fbx", "not an FBX file: no FBX header"},
+    NamedType{".glb", "not a GLB file: no glTF header"},
+    NamedType{".vrm", "not a VRM file: no glTF header"},
+    NamedType{".vrma", "not a VRM animation: no glTF header"},
+    NamedType{".gltf", "not a glTF file: no JSON with an asset"},
+    NamedType{".mvnx", "not an MVNX file: no element mvnx"},
+};
+
 }  // namespace
+
+std::string_view missing_header(std::string_view ending) {
+  const auto found = std::ranges::find(kNamedTypes, ending, &NamedType::ending);
+  return found == kNamedTypes.end() ? std::string_view() : found->lack;
+}
 
 FileType file_type(std::string_view bytes) {
   if (bytes.empty()) {

@@ -30,4 +30,12 @@ struct FileType {
 /// same type for all of them.
 [[nodiscard]] FileType file_type(std::string_view bytes);
 
+/// The fault of a file of an unknown type whose name announces a binary type: `not an NPZ file: no
+/// ZIP header`. Empty for names of text files, whose readers explain more.
+/// @param ending  extension with its dot, in lower case
+[[nodiscard]] std::string_view missing_header(std::string_view ending);
+
+inline constexpr const char* kWrongEndingHint =
+    "the file may be damaged, or its name may have the wrong extension";
+
 }  // namespace retarget

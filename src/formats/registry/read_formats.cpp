@@ -115,6 +115,14 @@ bool may_be_of_robot(const std::string& name, std::string_view bytes) {
          });
 }
 
+// The error for content of an unknown type whose name announces another type than the reader's.
+std::optional<Failure> other_than_named(const std::string& file, FileKind type) {
+  if (type != FileKind::kOther) return std::nullopt;
+  const std::string_view lack = missing_header(ending_of(file));
+  if (lack.empty()) return std::nullopt;
+  return input_failure(file, std::string(lack), kWrongEndingHint);
+}
+
 // Reads bytes by their type, which decides between the families of robot formats.
 Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
                            const std::string& file, const ReadMotionOptions& options) {
@@ -131,6 +139,9 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
     // The type explains more than the position of the first line that is not CSV.
     if (!raw && type.kind == FileKind::kForeign && !bytes.empty()) {
       return input_failure(file, "the file is " + std::string(type.what), std::string(type.hint));
+    }
+    if (!raw && raw.error().kind == ErrorKind::kInput) {
+      if (auto other = other_than_named(file, type.kind)) return *std::move(other);
     }
     return raw;
   }
@@ -242,6 +253,9 @@ Result<HumanFile> read_human_file(std::string_view bytes, const std::string& fil
   });
   TRY(check_options(file, options.source, format));
   auto read = format.family.read_human(bytes, file, options);
+  if (!read && read.error().kind == ErrorKind::kInput && !options.source.smpl) {
+    if (auto other = other_than_named(file, type)) read = *std::move(other);
+  }
   if (!read && read.error().kind == ErrorKind::kInput &&
       format.family.read_human != read_scene_file && type != FileKind::kForeign &&
       may_be_of_robot(file, bytes)) {

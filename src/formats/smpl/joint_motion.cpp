@@ -8,19 +8,13 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/smpl/motion_arrays.h"
+#include "formats/smpl/places_layout.h"
 #include "motion/odd_rate.h"
 #include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// Known names of arrays with joint positions, in order of precedence.
-constexpr const char* kOfHolosoma = "global_joint_positions";
-constexpr const char* kOfKimodo = "posed_joints";
-constexpr const char* kOfMdm = "motion";
-constexpr std::array kPlaces = {kOfHolosoma,    kOfKimodo, "joint_positions", "new_joints",
-                                "joints3d",     "joints",  "positions",       "keypoints3d",
-                                "keypoints_3d", kOfMdm};
 constexpr const char* kRotations = "global_rot_mats";
 constexpr std::array kNames = {"joint_names", "names"};
 
@@ -29,56 +23,9 @@ constexpr std::size_t kHumanMlJoints = 22, kClimbJoints = 53, kKimodoRobotJoints
 // Of joint_orders().
 constexpr std::string_view kHumanMlOrder = "SMPL";
 
-const char* places_of(const ArraySource& file) {
-  const auto* found = std::ranges::find_if(kPlaces, [&](const char* n) { return file.has(n); });
-  return found == kPlaces.end() ? nullptr : *found;
-}
-
-bool is_known_count(std::size_t joints) {
-  return std::ranges::any_of(
-      joint_orders(), [&](const JointOrder& order) { return order.joint_count() == joints; });
-}
-
-// Memory layout of an array of positions.
-struct PlacesLayout {
-  std::size_t samples = 1, frames = 0, joints = 0;
-  bool frames_last = false;  // MDM: (samples, joints, 3, frames)
-
-  [[nodiscard]] std::size_t index(std::size_t sample, std::size_t frame, std::size_t joint,
-                                  std::size_t axis) const {
-    return frames_last ? ((sample * joints + joint) * 3 + axis) * frames + frame
-                       : ((sample * frames + frame) * joints + joint) * 3 + axis;
-  }
-};
-
-std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
-                                      std::size_t named_joints) {
-  PlacesLayout layout;
-  const std::size_t n = shape.size();
-  // A 2-D table with x, y, z of successive joints is ambiguous without joint names.
-  if (n == 2 && named_joints > 0 && shape[1] == 3 * named_joints) {
-    layout.frames = shape[0];
-    layout.joints = named_joints;
-    return layout;
-  }
-  if (n != 3 && n != 4) return std::nullopt;
-  if (n == 4) layout.samples = shape[0];
-  const std::size_t a = shape[n - 3], b = shape[n - 2], c = shape[n - 1];
-  const auto is_meant = [&](std::size_t joints) {
-    return named_joints > 0 ? joints == named_joints : is_known_count(joints);
-  };
-  layout.frames_last = b == 3 && (c != 3 || (is_meant(a) && !is_meant(b)));
-  if (!layout.frames_last && c != 3) return std::nullopt;
-  layout.frames = layout.frames_last ? c : a;
-  layout.joints = layout.frames_last ? a : b;
-  // Two axes of size 3 are ambiguous unless the number of joints is known.
-  if (layout.frames_last && !is_meant(layout.joints)) return std::nullopt;
-  return layout;
-}
-
 // Whether the arrays are Kimodo's: joint positions with rotations.
 bool is_kimodo(const ArraySource& file) {
-  return file.has(kOfKimodo) && file.has(kRotations);
+  return file.has("posed_joints") && file.has(kRotations);
 }
 
 class PlacesReader {
@@ -133,7 +80,9 @@ class PlacesReader {
           hint_of_shape());
     }
     layout_ = *layout;
-    if (may_hold_people()) {
+    values_ = array_.numbers();
+    const auto settled = is_kimodo(file_) ? layout : settle_people(layout_, values_);
+    if (!settled) {
       return file_.array_failure(
           name_,
           fmt::format("its shape {} may be {} motions of {} frames, or {} frames of {} people",
@@ -142,6 +91,7 @@ class PlacesReader {
           "save one person as (frames, joints, 3): numpy's array[:, 0] is the first of several "
           "people in each frame");
     }
+    layout_ = *settled;
     if (array_.element_count() == 0) {
       return file_.array_failure(name_, "it has no frames or no joints");
     }
@@ -170,17 +120,11 @@ class PlacesReader {
     return "";
   }
 
-  // A few frames in many motions are rather a few people in many frames.
-  [[nodiscard]] bool may_hold_people() const {
-    constexpr std::size_t kMostPeople = 10;
-    return options_.take.empty() && !layout_.frames_last && layout_.frames <= kMostPeople &&
-           layout_.samples > kMostPeople;
-  }
-
   Result<void> choose_sample() {
     const auto several = [this](const std::string& what) {
       return file_.file_failure(
-          fmt::format("{} {}", what, count_text(layout_.samples, "motion")),
+          layout_.are_people ? fmt::format("{} {} people", what, layout_.samples)
+                             : fmt::format("{} {}", what, count_text(layout_.samples, "motion")),
           fmt::format(OPTION("take") " N chooses one, 1 to {}", layout_.samples));
     };
     if (options_.take.empty()) {
@@ -189,7 +133,8 @@ class PlacesReader {
     }
     const auto number = parse_number<long long>(options_.take);
     if (!number || *number < 1 || static_cast<std::size_t>(*number) > layout_.samples) {
-      return several(fmt::format("no motion \"{}\": the file holds", options_.take));
+      return several(fmt::format("no {} \"{}\": the file holds",
+                                 layout_.are_people ? "person" : "motion", options_.take));
     }
     sample_ = static_cast<std::size_t>(*number) - 1;
     return {};
@@ -224,13 +169,12 @@ class PlacesReader {
     TRY_ASSIGN(const auto frames, frames_that_count());
     motion_.frame_count = static_cast<int>(frames);
     motion_.joint_count = static_cast<int>(layout_.joints);
-    const std::vector<double> values = array_.numbers();
     motion_.positions.reserve(frames * layout_.joints);
     for (std::size_t frame = 0; frame < frames; ++frame) {
       for (std::size_t joint = 0; joint < layout_.joints; ++joint) {
         Eigen::Vector3d place;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          place[static_cast<int>(axis)] = values[layout_.index(sample_, frame, joint, axis)];
+          place[static_cast<int>(axis)] = values_[layout_.index(sample_, frame, joint, axis)];
         }
         motion_.positions.push_back(place);
       }
@@ -328,7 +272,7 @@ class PlacesReader {
     if (is_kimodo(file_)) return UsualRate{30.0, "Kimodo's motions have"};
     if (layout_.joints == kClimbJoints)
       return UsualRate{120.0, "holosoma's motions of 53 joints have"};
-    if (std::string_view(name_) == kOfHolosoma) {
+    if (is_of_holosoma(name_)) {
       return UsualRate{30.0, "holosoma's scripts write"};
     }
     if (layout_.joints == kHumanMlJoints && !has_own_names_) {
@@ -344,7 +288,10 @@ class PlacesReader {
       return {};
     }
     const auto usual = usual_rate();
-    if (!usual) return no_motion_rate(file_);
+    if (!usual) {
+      motion_.no_rate = no_motion_rate(file_).value();
+      return {};
+    }
     motion_.rate = frame_rate_from_fps(usual->fps);
     motion_.order_of_rate = usual->order;
     if (usual->order == kHumanMlOrder) motion_.up = Eigen::Vector3d::UnitY();
@@ -367,8 +314,9 @@ class PlacesReader {
 
   const ArraySource& file_;
   const ArrayReadOptions& options_;
-  const char* name_;
+  const std::string name_;
   NpyArray array_;
+  std::vector<double> values_;  // Of the array.
   PlacesLayout layout_;
   std::size_t sample_ = 0;
   bool has_own_names_ = false;  // In the file.
@@ -378,7 +326,7 @@ class PlacesReader {
 }  // namespace
 
 bool has_joint_positions(const ArraySource& file) {
-  return places_of(file) != nullptr;
+  return !places_of(file).empty();
 }
 
 Result<JointMotion> read_joint_motion(const ArraySource& file, const ArrayReadOptions& options) {

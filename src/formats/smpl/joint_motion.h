@@ -25,6 +25,9 @@ struct JointMotion {
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<std::string> names;  ///< Joint names; empty if the file has none.
   FrameRate rate;
+  /// The file gives no rate, and `rate` is an arbitrary one. Reported after faults of the joints,
+  /// which a rate does not repair.
+  std::optional<Error> no_rate;
   /// The rate is only the usual one of files with this joint order; empty: it is another one.
   std::string_view order_of_rate;
   std::optional<double> height;       ///< Body height in metres, if the file has it.
@@ -50,8 +53,8 @@ struct JointMotion {
 /// assumed with a warning: 20 fps for 22 joints without names in the file, which are then those of
 /// HumanML3D and MDM and have Y up by definition, 120 fps for holosoma's 53 joints, 30 fps for
 /// `global_joint_positions` and for Kimodo.
-/// Errors: other shapes, no frames, numbers that are not finite, no known rate, several motions
-/// without a choice, a wrong number of names.
+/// Errors: other shapes, no frames, numbers that are not finite, several motions without a choice, a
+/// wrong number of names. Without a known rate, JointMotion::no_rate is set.
 [[nodiscard]] Result<JointMotion> read_joint_motion(const ArraySource& file,
                                                     const ArrayReadOptions& options);
 

@@ -23,6 +23,8 @@ constexpr std::size_t kSmplColumns = 72;
 constexpr std::size_t kSmplhColumns = 156;
 constexpr std::size_t kSmplxColumns = 165;
 constexpr std::size_t kHandColumns = 3 * kSmplHandJointCount;  // The last columns of both layouts.
+constexpr const char* kLeftHand = "left_hand_pose";
+constexpr const char* kRightHand = "right_hand_pose";
 
 // Names of rotations in one array, or in two (pelvis, body), used by AMASS, smplx, AIST++ and fits
 // to video. Precedence: AMASS's separate arrays, AMASS's single array, then the others. The entry
@@ -185,28 +187,35 @@ class MotionReader {
     return {};
   }
 
+  // Columns of an array that hold the fingers of one hand or both.
+  struct HandPart {
+    const char* name;
+    std::size_t first, count;
+    std::size_t first_joint = 0;
+  };
+  [[nodiscard]] std::vector<HandPart> hand_parts() const {
+    constexpr std::size_t kOneHand = kHandColumns / 2;
+    const HandPart left = {kLeftHand, 0, kOneHand};
+    const HandPart right = {kRightHand, 0, kOneHand, kOneHand / 3};
+    const bool has_left = file_.has(kLeftHand), has_right = file_.has(kRightHand);
+    if (file_.has("pose_hand")) return {{"pose_hand", 0, kHandColumns}};
+    if (has_left && has_right) return {left, right};
+    if (parted_poses(file_) == nullptr && whole_poses_ != nullptr && pose_width_ >= kSmplhColumns) {
+      return {{whole_poses_, pose_width_ - kHandColumns, kHandColumns}};
+    }
+    if (has_left) return {left};
+    if (has_right) return {right};
+    return {};
+  }
+
   // Reads finger rotations from the whole poses or from separate arrays. Fingers are optional:
   // malformed ones are ignored without rejecting the motion.
   void read_hands() {
-    struct Part {
-      const char* name;
-      std::size_t first, count;
-    };
-    std::vector<Part> parts;
-    const auto* parted = parted_poses(file_);
-    const char* whole = first_of(file_, kWholePoses);
-    if (file_.has("pose_hand")) {
-      parts = {{"pose_hand", 0, kHandColumns}};
-    } else if (file_.has("left_hand_pose") && file_.has("right_hand_pose")) {
-      parts = {{"left_hand_pose", 0, kHandColumns / 2}, {"right_hand_pose", 0, kHandColumns / 2}};
-    } else if (parted == nullptr && whole != nullptr && pose_width_ >= kSmplhColumns) {
-      parts = {{whole, pose_width_ - kHandColumns, kHandColumns}};
-    }
+    const std::vector<HandPart> parts = hand_parts();
     if (parts.empty()) return;
     const auto frames = static_cast<std::size_t>(arrays_.frame_count);
-    std::vector<Eigen::Vector3d> rotations(frames * kSmplHandJointCount);
-    std::size_t before = 0;  // In joints.
-    for (const Part& part : parts) {
+    std::vector<Eigen::Vector3d> rotations(frames * kSmplHandJointCount, Eigen::Vector3d::Zero());
+    for (const HandPart& part : parts) {
       const auto array = file_.read(part.name);
       const std::size_t width = array ? width_of(array->shape) : 0;
       // Principal components are not rotations.
@@ -222,16 +231,21 @@ class MotionReader {
       const std::vector<double> values = array->numbers();
       for (std::size_t frame = 0; frame < frames; ++frame) {
         for (std::size_t i = 0; i < part.count / 3; ++i) {
-          rotations[frame * kSmplHandJointCount + before + i] =
+          rotations[frame * kSmplHandJointCount + part.first_joint + i] =
               Eigen::Map<const Eigen::Vector3d>(values.data() + frame * width + part.first + 3 * i);
         }
       }
-      before += part.count / 3;
     }
     if (!std::ranges::all_of(rotations, is_rotation)) {
       warn("fingers ignored: their values are not rotations in radians");
     } else if (hands_move(rotations)) {
       arrays_.hand_rotations = std::move(rotations);
+      if (parts.size() == 1 && parts.front().count < kHandColumns) {
+        const bool left = parts.front().first_joint == 0;
+        warn(fmt::format("no {} next to {}: the fingers of the {} hand stay at rest",
+                         left ? kRightHand : kLeftHand, parts.front().name,
+                         left ? "right" : "left"));
+      }
     }
   }
 

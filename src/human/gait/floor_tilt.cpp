@@ -99,7 +99,7 @@ std::optional<FloorTilt> tilt_of_floor(HumanPoser& poser, FrameRange part) {
   const double tilt = angle_between(*normal, up);
   if (!(tilt > kLeastTilt && angle_between(trunk, up) > kLeastTilt)) return std::nullopt;
   if (!(angle_between(trunk, *normal) < kTiltAgreement * tilt)) return std::nullopt;
-  return FloorTilt{*normal, tilt};
+  return FloorTilt{*normal, tilt, false};
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ std::optional<FloorTilt> find_floor_tilt(HumanPoser& poser, FrameRange part) {
   if (!balance) return std::nullopt;
   const double tilt = angle_between(*balance, Vector3d::UnitZ());
   if (!(tilt > kLeastLean && tilt < kMostLean)) return std::nullopt;
-  return FloorTilt{*balance, tilt};
+  return FloorTilt{*balance, tilt, true};
 }
 
 }  // namespace retarget

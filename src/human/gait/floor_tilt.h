@@ -12,6 +12,7 @@ namespace retarget {
 struct FloorTilt {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Normal of the floor; unit length.
   double angle = 0.0;                             ///< Angle between the normal and z, rad.
+  bool by_balance = false;                        ///< Known only as well as find_balance knows it.
 };
 
 /// Finds a floor that is tilted by more than 8 degrees, such as that of video estimates in the axes

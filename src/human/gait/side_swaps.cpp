@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -16,8 +17,11 @@ namespace {
 using Eigen::Vector3d;
 using SwapTracks = std::vector<std::vector<Vector3d>>;
 
-// The joints of two limbs: left and right.
-using JointPairs = std::vector<std::pair<std::size_t, std::size_t>>;
+// Joints of both sides: left and right.
+using JointPair = std::pair<std::size_t, std::size_t>;
+using JointPairs = std::vector<JointPair>;
+
+constexpr double kMuchNearer = 0.5;
 
 bool is_of_arm(const JointName& name) {
   return may_mean(name, side_bone(name.side, LimbBone::kArm)) ||
@@ -48,7 +52,6 @@ JointPairs pairs_of(const std::vector<JointName>& names, const IsOfLimb& is_of_l
 // The frames from which both limbs continue the tracks of the other side.
 std::vector<std::size_t> frames_of_swaps(const SwapTracks& tracks, const JointPairs& pairs,
                                          double least) {
-  constexpr double kMuchNearer = 0.5;
   std::vector<std::size_t> found;
   for (std::size_t frame = 1; frame < tracks.front().size(); ++frame) {
     double same = 0.0, other = 0.0;
@@ -64,6 +67,25 @@ std::vector<std::size_t> frames_of_swaps(const SwapTracks& tracks, const JointPa
   return found;
 }
 
+// Whether the line between the joints turns around in a frame. The body may move farther than the
+// distance of collarbones.
+bool turns_around(const SwapTracks& tracks, const JointPair& pair, std::size_t frame) {
+  const auto& [left, right] = pair;
+  const Vector3d before = tracks[right][frame - 1] - tracks[left][frame - 1];
+  const Vector3d now = tracks[right][frame] - tracks[left][frame];
+  return (now + before).norm() < kMuchNearer * (now - before).norm();
+}
+
+// Collarbones and fingers need not exchange sides with the limb.
+JointPairs that_swap_too(const SwapTracks& tracks, const JointPairs& pairs, std::size_t begin,
+                         std::size_t end) {
+  JointPairs found;
+  std::ranges::copy_if(pairs, std::back_inserter(found), [&](const JointPair& pair) {
+    return turns_around(tracks, pair, begin) && turns_around(tracks, pair, end);
+  });
+  return found;
+}
+
 void swap_sides(SwapTracks& tracks, const JointPairs& pairs, std::size_t begin, std::size_t end) {
   for (const auto& [left, right] : pairs) {
     for (std::size_t frame = begin; frame < end; ++frame) {
@@ -72,9 +94,9 @@ void swap_sides(SwapTracks& tracks, const JointPairs& pairs, std::size_t begin, 
   }
 }
 
-// Undoes the exchanges of two limbs, or reports them.
-void undo_swaps_of(SwapTracks& tracks, const JointPairs& pairs, double least,
-                   std::string_view limbs, SideSwaps& found) {
+// Undoes the exchanges of two limbs, or reports them. @param others  pairs of no limb
+void undo_swaps_of(SwapTracks& tracks, const JointPairs& pairs, const JointPairs& others,
+                   double least, std::string_view limbs, SideSwaps& found) {
   constexpr std::size_t kFewestPairs = 2, kShare = 3;
   if (pairs.size() < kFewestPairs) return;
   const std::vector<std::size_t> swaps = frames_of_swaps(tracks, pairs, least);
@@ -91,7 +113,9 @@ void undo_swaps_of(SwapTracks& tracks, const JointPairs& pairs, double least,
     return;
   }
   for (std::size_t i = 0; i + 1 < swaps.size(); i += 2) {
+    const JointPairs too = that_swap_too(tracks, others, swaps[i], swaps[i + 1]);
     swap_sides(tracks, pairs, swaps[i], swaps[i + 1]);
+    swap_sides(tracks, too, swaps[i], swaps[i + 1]);
   }
   found.undone.push_back(fmt::format("the {} exchanged sides in {}", limbs,
                                      count_text(static_cast<long>(frames), "frame")));
@@ -103,8 +127,12 @@ SideSwaps undo_side_swaps(SwapTracks& tracks, const std::vector<std::string>& na
   SideSwaps found;
   if (tracks.empty() || tracks.size() != names.size() || !(least > 0.0)) return found;
   const std::vector<JointName> words = normalise_joint_names(names);
-  undo_swaps_of(tracks, pairs_of(words, is_of_leg), least, "legs", found);
-  undo_swaps_of(tracks, pairs_of(words, is_of_arm), least, "arms", found);
+  const auto is_of_none = [](const JointName& name) {
+    return !is_of_leg(name) && !is_of_arm(name);
+  };
+  const JointPairs others = pairs_of(words, is_of_none);
+  undo_swaps_of(tracks, pairs_of(words, is_of_leg), others, least, "legs", found);
+  undo_swaps_of(tracks, pairs_of(words, is_of_arm), others, least, "arms", found);
   return found;
 }
 

@@ -16,7 +16,8 @@ struct SideSwaps {
 
 /// Finds frames in which both legs, or both arms, exchange sides: each joint continues the track of
 /// the other side. If they exchange back, the frames between are exchanged, provided that these are
-/// less than a third of all. Does not change tracks of files without sides in their names.
+/// less than a third of all. Other pairs, such as collarbones, are exchanged with them if they exchange
+/// sides at both ends as well. Does not change tracks of files without sides in their names.
 /// @param tracks  positions by joint and frame, in any unit
 /// @param least   least mean distance by which the joints of a limb jump, in this unit
 [[nodiscard]] SideSwaps undo_side_swaps(std::vector<std::vector<Eigen::Vector3d>>& tracks,

@@ -15,6 +15,7 @@
 #include "human/skeleton/joint_tree.h"
 #include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"
+#include "human/skeleton/recognise.h"
 #include "retarget/clip_arrays.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
@@ -412,6 +413,12 @@ Result<Clip> clip_of_joints(const JointMotion& motion, const std::string& name) 
   clip = with_median_offsets(clip);
   make_sign_continuous(clip);
   clip.set_origin(std::move(origin));
+  if (motion.no_rate) {
+    RecogniseOptions options;
+    options.partial = true;
+    TRY(recognise_skeleton(clip, {}, options));
+    return failure(*motion.no_rate);
+  }
   return clip;
 }
 

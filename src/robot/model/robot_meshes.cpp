@@ -124,7 +124,7 @@ class RobotMeshLoader {
       : robot_(robot), folder_(std::move(folder)), must_(must), covered_(robot.bodies().size()) {}
 
   Result<void> add_model(const std::string& model);
-  Result<void> add_folder();
+  void add_folder();
   [[nodiscard]] RobotMeshes finish();
 
  private:
@@ -132,7 +132,7 @@ class RobotMeshLoader {
 
   const Robot& robot_;
   const std::string folder_;
-  const bool must_;            // If true, report errors as errors instead of notes.
+  const bool must_;            // If true, an unreadable model is an error instead of a note.
   std::vector<bool> covered_;  // One per body.
   std::vector<std::string> unreadable_;
   RobotMeshes result_;
@@ -155,7 +155,6 @@ Result<void> RobotMeshLoader::add_model(const std::string& model) {
     covered_[static_cast<std::size_t>(body)] = true;
     result_.bodies.push_back({body, std::move(*simple)});
   }
-  if (must_ && !surfaces->unreadable.empty()) return failure(surfaces->unreadable.front());
   note_missing(fs::path(model).filename().string(), *surfaces);
   return {};
 }
@@ -188,7 +187,7 @@ Result<TriangleMesh> read_simple_mesh(const std::string& path) {
   return simple_mesh(mesh, path);
 }
 
-Result<void> RobotMeshLoader::add_folder() {
+void RobotMeshLoader::add_folder() {
   const std::vector<MeshFile> files = mesh_files(folder_);
   BodySurfaces surfaces;
   for (std::size_t i = 1; i < robot_.bodies().size(); ++i) {
@@ -196,7 +195,6 @@ Result<void> RobotMeshLoader::add_folder() {
     const auto path = name.empty() || covered_[i] ? std::nullopt : file_of_body(files, name);
     if (!path || std::ranges::find(unreadable_, path->string()) != unreadable_.end()) continue;
     auto simple = read_simple_mesh(path->string());
-    if (!simple && must_) return failure(simple.error());
     if (!simple) {
       surfaces.unreadable.push_back(std::move(simple.error()));
       continue;
@@ -204,7 +202,6 @@ Result<void> RobotMeshLoader::add_folder() {
     result_.bodies.push_back({static_cast<int>(i), std::move(*simple)});
   }
   note_missing(folder_, surfaces);
-  return {};
 }
 
 RobotMeshes RobotMeshLoader::finish() {
@@ -244,7 +241,7 @@ std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& mo
   return none;
 }
 
-// @param must  if true, report unreadable files as errors instead of notes.
+// @param must  if true, an unreadable model is an error instead of a note.
 Result<RobotMeshes> load_meshes(const Robot& robot, const std::string& model,
                                 const std::string& named, bool must) {
   std::error_code ignored;
@@ -257,7 +254,7 @@ Result<RobotMeshes> load_meshes(const Robot& robot, const std::string& model,
   RobotMeshLoader loader(robot, folder, must);
   const std::string& used = other_model ? named : model;
   if (!used.empty()) RETARGET_TRY(loader.add_model(used));
-  if (!folder.empty()) RETARGET_TRY(loader.add_folder());
+  if (!folder.empty()) loader.add_folder();
   RobotMeshes meshes = loader.finish();
   if (named.empty() || !meshes.bodies.empty()) return meshes;
   const std::string hint = "its body names are " + robot.bodies()[1].name + " and so on";

@@ -1,0 +1,140 @@
+#include "formats/smpl/places_layout.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "formats/smpl/joint_motion.h"
+#include "retarget/statistics.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+// In lower case without separators, in order of precedence.
+constexpr std::string_view kOfHolosoma = "globaljointpositions";
+constexpr std::string_view kPlaces[] = {
+    kOfHolosoma,
+    "posedjoints",
+    "jointpositions",
+    "newjoints",
+    "joints3d",
+    "joint3d",
+    "joints",
+    "positions",
+    "positions3d",
+    "keypoints3d",
+    "predkeypoints3d",
+    "predjoints3d",
+    "kpts3d",
+    "kp3d",
+    "poses3d",
+    "pose3d",
+    "predxyz24struct",
+    "predxyz17",
+    "keypoints",
+    "poseworldlandmarks",
+    "worldlandmarks",
+    "landmarks",
+    "xyz",
+    "motion",
+};
+
+std::string without_separators(std::string_view name) {
+  std::string letters = lower_case(std::string(name));
+  std::erase_if(letters, [](char c) { return c == '_' || c == '-' || c == ' '; });
+  return letters;
+}
+
+bool is_known_count(std::size_t joints) {
+  return std::ranges::any_of(
+      joint_orders(), [&](const JointOrder& order) { return order.joint_count() == joints; });
+}
+
+// Median distance between neighbours along one of the first two axes of (a, b, joints, 3); empty
+// without neighbours.
+std::optional<double> step_along(const std::vector<double>& values, const PlacesLayout& layout,
+                                 bool first_axis) {
+  constexpr std::size_t kMostSteps = 20'000;
+  const std::size_t row = 3 * layout.joints, block = layout.frames * row;
+  const std::size_t reach = first_axis ? block : row;
+  const std::size_t points = values.size() / 3;
+  const std::size_t stride = 1 + points / kMostSteps;
+  std::vector<double> steps;
+  for (std::size_t point = 0; point < points; point += stride) {
+    const std::size_t at = 3 * point;
+    const bool is_last = first_axis ? at + reach >= values.size() : at % block + reach >= block;
+    if (is_last) continue;
+    const double step = (Eigen::Map<const Eigen::Vector3d>(&values[at + reach]) -
+                         Eigen::Map<const Eigen::Vector3d>(&values[at]))
+                            .norm();
+    if (std::isfinite(step)) steps.push_back(step);
+  }
+  if (steps.empty()) return std::nullopt;
+  return median(std::move(steps));
+}
+
+}  // namespace
+
+std::string places_of(const ArraySource& file) {
+  std::string found;
+  auto best = std::ranges::end(kPlaces);
+  for (std::string& name : file.names()) {
+    const auto at = std::ranges::find(kPlaces, without_separators(name));
+    if (at >= best) continue;
+    best = at;
+    found = std::move(name);
+  }
+  return found;
+}
+
+bool is_of_holosoma(std::string_view name) {
+  return without_separators(name) == kOfHolosoma;
+}
+
+std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
+                                      std::size_t named_joints) {
+  PlacesLayout layout;
+  const std::size_t n = shape.size();
+  // A 2-D table with x, y, z of successive joints is ambiguous without joint names.
+  if (n == 2 && named_joints > 0 && shape[1] == 3 * named_joints) {
+    layout.frames = shape[0];
+    layout.joints = named_joints;
+    return layout;
+  }
+  if (n != 3 && n != 4) return std::nullopt;
+  if (n == 4) layout.samples = shape[0];
+  const std::size_t a = shape[n - 3], b = shape[n - 2], c = shape[n - 1];
+  const auto is_meant = [&](std::size_t joints) {
+    return named_joints > 0 ? joints == named_joints : is_known_count(joints);
+  };
+  layout.frames_last = b == 3 && (c != 3 || (is_meant(a) && !is_meant(b)));
+  if (!layout.frames_last && c != 3) return std::nullopt;
+  layout.frames = layout.frames_last ? c : a;
+  layout.joints = layout.frames_last ? a : b;
+  // Two axes of size 3 are ambiguous unless the number of joints is known.
+  if (layout.frames_last && !is_meant(layout.joints)) return std::nullopt;
+  return layout;
+}
+
+std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
+                                          const std::vector<double>& values) {
+  constexpr std::size_t kMostPeople = 10;
+  constexpr double kMuchLess = 0.5;
+  // Copies of one motion are no people.
+  if (layout.frames_last || layout.samples <= layout.frames) return layout;
+  PlacesLayout people = layout;
+  std::swap(people.samples, people.frames);
+  people.are_people = true;
+  const bool is_narrow = layout.frames <= kMostPeople && layout.samples > kMostPeople;
+  if (is_narrow && people.samples == 1) return people;
+  const auto first = step_along(values, layout, true);
+  const auto second = step_along(values, layout, false);
+  if (first && second && *first < kMuchLess * *second) return people;
+  if (is_narrow && !(first && second && *second < kMuchLess * *first)) return std::nullopt;
+  return layout;
+}
+
+}  // namespace retarget
