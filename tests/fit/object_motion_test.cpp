@@ -54,7 +54,7 @@ class ObjectMotionTest : public testing::Test {
     crate.moves = true;
     crate.shapes.emplace_back().half_size = Vector3d(0.2, 0.5 * width_ - 0.1, 0.1);
     scene->bodies.push_back(crate);
-    SceneClip clip{scene, frame_rate_from_fps(30.0), static_cast<int>(path.size()), {}};
+    SceneClip clip{scene, frame_rate_from_fps(30.0), static_cast<int>(path.size()), {}, {}};
     for (const Vector3d& position : path) {
       clip.world_from_body.emplace_back().translation = position;
     }

@@ -43,7 +43,7 @@ class WindowContacts {
   [[nodiscard]] std::span<const LinkLoad> loads(int t, const TreeState& pose);
   /// Finds the contacts of a frame.
   void find(int t, const FitClip& clip, const Robot& robot);
-  /// Computes the places of the contacts of a frame.
+  /// Computes the contact positions of a frame.
   void place(int t, const TreeState& pose);
   /// Gives a frame without contacts those of the nearest frame at most `reach` frames away, because
   /// contacts begin and end between frames. The metric `unexplained` does the same.

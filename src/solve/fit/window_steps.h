@@ -27,7 +27,7 @@ class WindowSteps {
   /// Steps between two updates of the near pairs.
   static constexpr int kPairsEvery = 4;
 
-  /// What a step does.
+  /// The kind of a step.
   struct Kind {
     bool move_anchors = false;        ///< Feet that overlap push their anchors apart.
     bool look_for_pairs = false;      ///< Updates the near pairs of all frames.
