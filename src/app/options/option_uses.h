@@ -20,7 +20,7 @@ inline constexpr OptionUse kRobot =
 /// Limits of frame rates: wide enough for any motion, narrow enough to catch typing errors.
 inline constexpr double kMinRate = 0.001, kMaxRate = 1e6;
 
-/// The number in a text; empty if the text is no number, or if the number is outside of [min, max].
+/// The number in a text; empty without a number in [min, max].
 [[nodiscard]] inline std::optional<double> number_in(std::string_view text, double min,
                                                      double max) {
   const auto number = parse_number<double>(text);
