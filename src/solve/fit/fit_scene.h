@@ -17,6 +17,9 @@
 
 namespace retarget {
 
+/// Smallest upward component of the normal of a surface that carries a body: a slope of 45 degrees.
+constexpr double kLevelSurface = 0.7;
+
 /// A support body that touches, approaches or leaves a surface of the scene in a frame.
 struct SceneGoal {
   int support = 0;                                    ///< Index into FitModel::supports.
@@ -49,6 +52,12 @@ struct FitScene {
   [[nodiscard]] std::span<const SceneGoal> goals_of(int frame) const {
     const auto begin = first_goal[static_cast<std::size_t>(frame)];
     return std::span(goals).subspan(begin, first_goal[static_cast<std::size_t>(frame) + 1] - begin);
+  }
+  /// Whether a part is in contact with the top of a body at rest, which may carry the robot. A wall
+  /// does not.
+  [[nodiscard]] bool may_carry(const SceneGoal& goal) const {
+    return goal.share >= 1.0 && goal.normal.z() > kLevelSurface &&
+           world.is_fixed(static_cast<std::size_t>(goal.body));
   }
 };
 

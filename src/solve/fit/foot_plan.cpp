@@ -143,12 +143,9 @@ class SupportPlanner {
 };
 
 // Whether a knee, elbow, hand, the seat or the back is held during this phase, on the floor or on a
-// body of a scene at rest. A hand on a wall does not carry the body.
+// body of a scene at rest.
 bool has_other_support(const FootPlan& plan, const FitScene* scene, const PlantedPhase& phase) {
-  constexpr double kLevel = 0.7;  // Upward component of the normal: a slope of 45 degrees.
-  const auto rests = [&](const SceneGoal& goal) {
-    return goal.share >= 1.0 && goal.normal.z() > kLevel && scene->world.is_fixed(at(goal.body));
-  };
+  const auto rests = [&](const SceneGoal& goal) { return scene->may_carry(goal); };
   for (int frame = phase.begin; scene != nullptr && frame < phase.end; ++frame) {
     if (std::ranges::any_of(scene->goals_of(frame), rests)) return true;
   }
@@ -260,6 +257,7 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts, const Cont
         goal.importance = std::sqrt(upright);
         if (!ground.empty()) {
           goal.support = scale * ground[at(2 * (frame * source.foot_count + side) + end)];
+          goal.clearance = std::max(goal.clearance, goal.support);
         }
         plan.ends.push_back(goal);
         lowest = std::min(lowest, above_surface(goal));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "retarget/pose.h"
+#include "solve/fit/fit_scene.h"
 #include "solve/fit/foot_plan.h"
 #include "solve/fit/frame_terms.h"
 #include "solve/fit/shorthand.h"
@@ -42,9 +43,36 @@ void StartFrames::take(int frame, std::span<const double> qpos) {
   for (std::size_t k = 0; k < 3; ++k) now[k] += path_[at(frame)][static_cast<int>(k)];
   if (lift_) {
     pose_.update(now);
-    now[2] -= lowest_below_floor(model_, pose_);
+    now[2] -= std::min(lowest_below_floor(model_, pose_), lowest_below_ground(frame));
   }
   add_to_anchors(frame);
+}
+
+// Height of the lowest point above the surfaces of a scene that carry the robot, metres; 0 if no
+// point is below one. The robot's feet stand on the ground of the human's, because a robot with
+// longer feet would rise to a step that its toes only touch. Other parts count only in contact: a
+// shank in a step must leave it sideways.
+double StartFrames::lowest_below_ground(int frame) const {
+  double lowest = 0.0;
+  if (!clip_.scene) return lowest;
+  const auto goals = clip_.feet.ends_of(frame);
+  for (std::size_t foot = 0; foot < model_.feet.size(); ++foot) {
+    const FitFoot& of_model = model_.feet[foot];
+    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
+      for (const auto& point : of_model.ends[end].points) {
+        const double height = (pose_.world_from_link[at(of_model.link)] * point).z();
+        lowest = std::min(lowest, height - goals[2 * foot + end].support);
+      }
+    }
+  }
+  for (const SceneGoal& goal : clip_.scene->goals_of(frame)) {
+    if (!clip_.scene->may_carry(goal)) continue;
+    const SupportBody::SceneTouch touch =
+        model_.supports[at(goal.support)].nearest(pose_, clip_.scene->world, frame, at(goal.body));
+    if (!(touch.normal.z() > kLevelSurface)) continue;
+    lowest = std::min(lowest, touch.distance / touch.normal.z());
+  }
+  return lowest;
 }
 
 void StartFrames::add_to_anchors(int frame) {

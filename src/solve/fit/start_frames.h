@@ -13,8 +13,9 @@ namespace retarget {
 [[nodiscard]] double lowest_below_floor(const FitModel& model, const TreeState& pose);
 
 /// Receives the frames of the first stage in order and makes the start configurations of the fit.
-/// Raises the root until no point is below the floor. At the last frame of a contact, sets the
-/// contact's anchor to the mean position over its frames.
+/// Raises the root until no point is below the floor and, in a scene, no part that carries the
+/// robot is below its surface. At the last frame of a contact, sets the contact's anchor to the mean
+/// position over its frames.
 class StartFrames {
  public:
   /// @param path  offset added to the root's position, by frame, metres.
@@ -27,6 +28,7 @@ class StartFrames {
   void take(int frame, std::span<const double> qpos);
 
  private:
+  [[nodiscard]] double lowest_below_ground(int frame) const;
   void add_to_anchors(int frame);
 
   const FitModel& model_;
