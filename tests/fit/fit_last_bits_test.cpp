@@ -68,5 +68,12 @@ TEST(FitLastBits, FootContactsAreStableToRounding) {
             kSameMotion);
 }
 
+TEST(FitLastBits, BodyContactsAreStableToRounding) {
+  // A body that lies symmetrically: several points of the torso are equally low.
+  EXPECT_LT(apart(load_robot_in(RETARGET_SOURCE_DIR "/robots/booster_t1"),
+                  "lafan1_to_booster_t1.json", cut(recorded_clip("get_up"), 0, 100)),
+            kSameMotion);
+}
+
 }  // namespace
 }  // namespace retarget

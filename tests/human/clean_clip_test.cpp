@@ -212,6 +212,37 @@ TEST(CleanClip, OnlySmoothsWhiteNoise) {
   }
 }
 
+// RMS distance of the roots, centimetres.
+double root_error(const Clip& a, const Clip& b) {
+  double sum = 0.0;
+  for (int frame = 0; frame < a.frame_count(); ++frame) {
+    sum += (a.translations(frame)[0] - b.translations(frame)[0]).squaredNorm();
+  }
+  return std::sqrt(sum / a.frame_count());
+}
+
+// Independent errors of the root shake both feet, so that stances cannot be found to correct it.
+TEST(CleanClip, SmoothsIndependentErrorsOfTheRoot) {
+  for (const char* name : {"walk", "turn_in_place", "squat", "get_up"}) {
+    const Clip clip = recorded_clip(name);
+    for (const double degrees : {0.3, 1.0}) {
+      for (const double error : {0.5, 1.0}) {
+        Clip noisy = with_white_noise(clip, degrees);
+        NormalNumbers noise(7);
+        for (int frame = 0; frame < clip.frame_count(); ++frame) {
+          noisy.translations(frame)[0] += error * noise.next_vector();
+        }
+        const Clip jittery = noisy;
+        const CleanReport report = clean(noisy);
+        EXPECT_THAT(report.notes, Contains(HasSubstr("jitter of the root")))
+            << name << degrees << ' ' << error;
+        EXPECT_LT(root_error(clip, noisy), 0.65 * root_error(clip, jittery))
+            << name << degrees << ' ' << error;
+      }
+    }
+  }
+}
+
 // Every second frame is in the middle of its neighbours.
 TEST(CleanClip, InterpolatedFramesAreNoJitter) {
   for (const char* name : {"walk", "squat"}) {

@@ -119,6 +119,21 @@ TEST(StandingHeights, PartsBelowStandingFeetDoNotMatter) {
   EXPECT_DOUBLE_EQ(standing.toe, 0.02);
 }
 
+// The feet of a body that crawls often have the pitch of standing feet, but their knees are low.
+TEST(StandingHeights, FeetBehindKneesDoNotStand) {
+  SourceFeet source = handstand(0.0, 0.08);
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    for (const std::size_t foot : {0, 1}) {
+      SourceFoot& now = source.feet[2 * static_cast<std::size_t>(frame) + foot];
+      now.ankle = {0.0, now.ankle.y(), 0.14};
+      now.toe = {0.14, now.ankle.y(), 0.07};
+      now.up = now.sole_up = 0.9;
+      source.supports[static_cast<std::size_t>(frame) * kSupportBones.size() + foot].z() = 0.06;
+    }
+  }
+  EXPECT_NEAR(floor_of(source), 0.0, 0.01);
+}
+
 // A frame with a hand that the tracking system lost does not lower the floor.
 TEST(StandingHeights, AMomentDoesNotLowerTheFloor) {
   SourceFeet source = handstand(0.5, 0.08);
@@ -148,10 +163,11 @@ HumanClip human_of_file(const std::string& file) {
   return to_human(clip, calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value());
 }
 
-// Every excerpt of `seconds` in which no foot stands, once a second.
+// Every excerpt of `seconds` in which feet stand, or in which no foot stands, once a second.
 // @param farthest  of the excerpt's floor from that of the clip, metres.
-// @return the number of excerpts with a floor below the body.
-int expect_floor_of_excerpts(const HumanClip& human, double seconds, double farthest) {
+// @return the number of these excerpts.
+int expect_floor_of_excerpts(const HumanClip& human, double seconds, double farthest,
+                             bool feet_stand = false) {
   const double floor = floor_height(find_contacts(human));
   const auto frames = static_cast<int>(seconds * human.rate.fps());
   int count = 0;
@@ -159,7 +175,7 @@ int expect_floor_of_excerpts(const HumanClip& human, double seconds, double fart
     SourceFeet source{static_cast<const HumanClipInfo&>(human)};
     for (int frame = begin; frame < begin + frames; ++frame) source.add(human.frame(frame));
     const ContactPlan contacts = find_contacts(source);
-    if (!contacts.standing.from_body) continue;
+    if (!(feet_stand ? contacts.standing.found : contacts.standing.from_body)) continue;
     ++count;
     EXPECT_NEAR(floor_height(contacts), floor, farthest) << begin;
   }
@@ -178,6 +194,9 @@ TEST(StandingHeights, ExcerptsThatLieOrCrawlHaveTheFloorOfTheClip) {
     const HumanClip human = human_of_file(file.string());
     for (const double seconds : {2.0, 5.0}) {
       EXPECT_GT(expect_floor_of_excerpts(human, seconds, 0.02), 3) << name;
+    }
+    for (const double seconds : {5.0, 15.0}) {
+      EXPECT_GT(expect_floor_of_excerpts(human, seconds, 0.025, true), 3) << name;
     }
   }
 }

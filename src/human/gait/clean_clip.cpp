@@ -18,6 +18,7 @@
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/repeated_frames.h"
 #include "human/gait/root_drift.h"
+#include "human/gait/root_jitter.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/track_faults.h"
 #include "human/gait/track_noise.h"
@@ -50,7 +51,7 @@ class ClipCleaner {
     if (part_.end - part_.begin < kFewest) return {};
     bridge();
     // Rotations computed from positions follow the smoothed positions.
-    if (!has_positions_only(clip_)) smooth_rotations();
+    if (!has_positions_only(clip_)) smooth_root(smooth_rotations());
     jittery_ = report_.foot_noise.wander > 0.0;
     if (root_ == RootRule::kFollowsFeet) move_root();
     return std::move(report_);
@@ -75,7 +76,8 @@ class ClipCleaner {
     }
   }
 
-  void smooth_rotations() {
+  // @return whether the joints had independent errors
+  bool smooth_rotations() {
     constexpr double kSlowest = 1.5;  // Hz
     const double frame_time = clip_.rate().frame_time();
     const JointJitter jitter = find_jitter(clip_, part_, calibration_);
@@ -97,7 +99,7 @@ class ClipCleaner {
             smooth[static_cast<std::size_t>(frame - part_.begin)];
       }
     }
-    if (cutoffs.empty()) return;
+    if (cutoffs.empty()) return false;
     const auto [slowest, fastest] = std::ranges::minmax(cutoffs);
     report_.notes.push_back(
         fmt::format("jitter of {} degrees per frame (median of {}) smoothed, cutoffs {} to {} Hz",
@@ -105,6 +107,16 @@ class ClipCleaner {
                     number_text(slowest, 1), number_text(fastest, 1)));
     report_.foot_noise = noise_of_feet(rests);
     if (report_.foot_noise.speed > 0.0) fix_lengths();
+    return jitter.white;
+  }
+
+  // @param white  whether the joints had independent errors
+  void smooth_root(bool white) {
+    const auto found = smooth_root_jitter(clip_, part_, calibration_, white);
+    if (!found) return;
+    report_.notes.push_back(
+        fmt::format("jitter of the root of {} cm per frame smoothed, cutoff {} Hz",
+                    number_text(100.0 * found->step, 1), number_text(found->cutoff, 1)));
   }
 
   // Of the noisier foot, at the end of a straight leg.

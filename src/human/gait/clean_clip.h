@@ -36,7 +36,8 @@ enum class RootRule {
 /// The steps, in this order: interpolate lost and frozen frames, lost joints and spikes. If half of
 /// the joints or a limb have large noise (joint_jitter.h), smooth all noisy joints or those of the
 /// limb as strongly as their noise requires (best_cutoff); if that moves the feet, set varying
-/// bone lengths to their medians. If standing feet move, translate the whole body so that they do
+/// bone lengths to their medians. If the position of the body has independent errors, smooth it
+/// (root_jitter.h). If standing feet move, translate the whole body so that they do
 /// not (root_drift.h); the legs keep their poses, except where their errors accumulate: then the
 /// feet are held in their stances (plant_noisy_feet.h).
 /// @param foot_noise  of the clip's positions (clean_positions)

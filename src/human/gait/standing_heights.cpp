@@ -61,6 +61,16 @@ double toe_over_floor(const SourceFeet& source, double size) {
   return source.soles[0] || source.soles[1] ? 0.0 : kToeHeight * size;
 }
 
+// Whether the knee above a foot is about as low as the ankle. The feet of kneeling and crawling
+// bodies often have the pitch of standing feet, but rest on their tips, or lie in the air.
+bool is_kneeling(const SourceFeet& source, int frame, int foot, double size) {
+  constexpr double kShank = 0.12;  // Least height of the knee above the ankle, metres.
+  const auto knee = static_cast<std::size_t>(foot);
+  static_assert(kSupportBones[0] == Bone::kLeftLeg && kSupportBones[1] == Bone::kRightLeg);
+  if (source.supports.empty() || !source.has_support[knee]) return false;
+  return source.support(frame, knee).z() - source.at(frame, foot).ankle.z() < kShank * size;
+}
+
 // Whether the toes are below this height only for a moment, and the body gets there faster than it
 // can fall: its position was lost.
 bool is_lost_below(const SourceFeet& source, double height, double size) {
@@ -125,10 +135,14 @@ void StandingHeightFinder::find_slow_feet(const SourceFeet& source, double speed
 }
 
 // Sorted by toe height.
-void StandingHeightFinder::find_feet_that_stand(const SourceFeet& source, double speed) {
+void StandingHeightFinder::find_feet_that_stand(const SourceFeet& source, double speed,
+                                                double size) {
   find_slow_feet(source, speed, [](const SourceFoot& foot) {
     const double steep = foot.steepness();
     return steep > kFlattestFoot && steep < kMaxFootPitch;
+  });
+  std::erase_if(slow_, [&](const StandingFoot& foot) {
+    return is_kneeling(source, foot.frame, foot.foot, size);
   });
   // Ties need no order: callers take all feet with equal toe heights or none.
   std::ranges::sort(slow_, {}, &StandingFoot::toe);
@@ -275,7 +289,7 @@ StandingHeights StandingHeightFinder::heights_of_ends(const SourceFeet& source, 
   const double low_toe = low_height(source, kToeEnd);
   const bool has_toes = !std::isinf(low_toe);
   if (has_toes) {
-    find_feet_that_stand(source, options.begin_speed * size);
+    find_feet_that_stand(source, options.begin_speed * size, size);
     const auto level = feet_on_floor(source, low_toe, size);
     if (carries(level, source.frame_time)) {
       return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),

@@ -53,7 +53,7 @@ class StandingHeightFinder {
   template <typename IsLikeStanding>
   void find_slow_feet(const SourceFeet& source, double speed,
                       const IsLikeStanding& is_like_standing);
-  void find_feet_that_stand(const SourceFeet& source, double speed);
+  void find_feet_that_stand(const SourceFeet& source, double speed, double size);
   [[nodiscard]] static Feet between(Feet standing, double from, double to);
   [[nodiscard]] static bool carries(Feet level, double frame_time);
   [[nodiscard]] static bool is_a_moment(Feet level, std::size_t standing, double frame_time);

@@ -249,7 +249,30 @@ void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCo
   }
 }
 
-// Pulls the lowest point of each support body to the floor and holds the body at its anchor.
+// Pulls the lowest point of a support body to the floor. Points of equal height share the weight:
+// in a body that lies symmetrically, rounding would otherwise choose one of them in every step.
+void FrameTerms::add_support_height(const TreeState& pose, const SupportBody& body, double weight,
+                                    TermCosts& costs) {
+  constexpr double kEqual = 1e-5;  // Metres.
+  const double lowest = body.lowest(pose).height;
+  const auto share_of = [&](const SupportBody::Touch& touch) {
+    return square(std::max(0.0, 1.0 - (touch.height - lowest) / kEqual));
+  };
+  double sum = 0.0;
+  for (const SupportBody::Point& point : body.points) {
+    sum += share_of(SupportBody::touch_of(point, pose));
+  }
+  for (const SupportBody::Point& point : body.points) {
+    const SupportBody::Touch touch = SupportBody::touch_of(point, pose);
+    const double shared = weight * share_of(touch) / sum;
+    if (shared <= 0.0) continue;
+    const double height = touch.height - options_.body_margin;
+    add_row(touch.link, 2, touch.place - pose.origin(), shared, height);
+    costs[kTermContactHeight] += shared * square(height);
+  }
+}
+
+// Holds each support body at its anchor and on the floor.
 void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   const Vector3d& origin = pose.origin();
   for (std::size_t i = 0; i < goals.supports.size(); ++i) {
@@ -263,11 +286,7 @@ void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, Te
       add_row(body.link, axis, middle - origin, place, error[axis]);
     }
     costs[kTermContactPlace] += place * error.squaredNorm();
-    const SupportBody::Touch touch = body.lowest(pose);
-    const double height = touch.height - options_.body_margin;
-    const double level = square(goal.share * options_.body_contact_height_weight);
-    add_row(touch.link, 2, touch.place - origin, level, height);
-    costs[kTermContactHeight] += level * square(height);
+    add_support_height(pose, body, square(goal.share * options_.body_contact_height_weight), costs);
   }
 }
 

@@ -155,6 +155,8 @@ class FrameTerms {
                     const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs);
   void add_lying_foot(const TreeState& pose, std::size_t foot, const FrameGoals& goals,
                       TermCosts& costs);
+  void add_support_height(const TreeState& pose, const SupportBody& body, double weight,
+                          TermCosts& costs);
   void add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_floor(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_pair(const TreeState& pose, const FitPair& pair, double share, double* gradient,

@@ -132,13 +132,16 @@ class SupportFinder {
 
 }  // namespace
 
+SupportBody::Touch SupportBody::touch_of(const Point& point, const TreeState& pose) {
+  const Vector3d place = pose.world_from_link[static_cast<std::size_t>(point.link)] * point.in_link;
+  return {point.link, place, place.z() - point.radius};
+}
+
 SupportBody::Touch SupportBody::lowest(const TreeState& pose) const {
   Touch lowest{link, Vector3d::Zero(), HUGE_VAL};
   for (const Point& point : points) {
-    const Vector3d place =
-        pose.world_from_link[static_cast<std::size_t>(point.link)] * point.in_link;
-    if (place.z() - point.radius >= lowest.height) continue;
-    lowest = {point.link, place, place.z() - point.radius};
+    const Touch touch = touch_of(point, pose);
+    if (touch.height < lowest.height) lowest = touch;
   }
   return lowest;
 }

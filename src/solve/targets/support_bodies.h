@@ -28,13 +28,14 @@ struct SupportBody {
   std::vector<Point> points;                         ///< Candidate contact points; the lowest one
                                                      ///< touches.
 
-  /// The lowest point in a pose of the robot.
+  /// A point in a pose of the robot.
   struct Touch {
     int link = 0;
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< Centre of the sphere, world, metres.
     double height = 0.0;                              ///< Height of its lowest point, metres.
   };
   [[nodiscard]] Touch lowest(const TreeState& pose) const;
+  [[nodiscard]] static Touch touch_of(const Point& point, const TreeState& pose);
 
   /// The point that is nearest to a body of a scene.
   struct SceneTouch {

@@ -1,0 +1,45 @@
+#include "human/gait/root_jitter.h"
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "human/gait/plant_noisy_feet.h"
+#include "human/gait/track_noise.h"
+
+namespace retarget {
+namespace {
+
+// At lower rates, the steps of a run can look like independent errors. Seconds per frame.
+constexpr double kLongestFrame = 1.0 / 22.0;
+
+bool is_noisy(const TrackNoise& noise, double least, bool white, double frame_time) {
+  if (white) return noise.may_exceed(least);
+  return frame_time < kLongestFrame && noise.exceeds(least) && has_white_noise({noise});
+}
+
+}  // namespace
+
+std::optional<RootJitter> smooth_root_jitter(Clip& clip, FrameRange part,
+                                             const Calibration& calibration, bool white) {
+  constexpr double kStep = 0.002, kSlowest = 1.5;  // Metres per frame, Hz.
+  const int joint = body_joint(clip.skeleton(), calibration);
+  if (joint < 0) return std::nullopt;
+  std::vector<Eigen::Vector3d> path;
+  for (int frame = part.begin; frame < part.end; ++frame) {
+    path.push_back(clip.translation(frame, joint));
+  }
+  const TrackNoise noise = measure_noise(path);
+  const double metres = calibration.metres_per_unit, frame_time = clip.rate().frame_time();
+  if (!is_noisy(noise, kStep / metres, white, frame_time)) return std::nullopt;
+  const auto cutoff = best_cutoff(path, NoisePower::of(noise, true), frame_time, kSlowest);
+  if (!cutoff) return std::nullopt;
+  path = smoothed(path, smoothing_strength(*cutoff, frame_time));
+  const auto slot = static_cast<std::size_t>(clip.skeleton().translation_slot(joint));
+  for (int frame = part.begin; frame < part.end; ++frame) {
+    clip.translations(frame)[slot] = path[static_cast<std::size_t>(frame - part.begin)];
+  }
+  return RootJitter{metres * noise.step, *cutoff};
+}
+
+}  // namespace retarget
