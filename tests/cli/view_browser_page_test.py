@@ -264,14 +264,18 @@ class PageInABrowser(PagesInABrowser):
         )
         self.assertEqual(self.run_script("retarget.meshes(0)"), [])
         self.assert_quiet("meshes.html")
-        # An invalid mesh is omitted.
+        # A body whose mesh cannot be read keeps its primitives.
         (folder / "pelvis.stl").write_text("solid\nvertex 1 2 x")
         result = self.run_in_pages(
-            "view", "fit.csv", "--robot", "unitree_g1", "--meshes", "meshes", "-o", "bad.html"
+            "view", "fit.csv", "--robot", "unitree_g1", "--meshes", "meshes", "-o", "partial.html"
         )
-        self.assertEqual(result.returncode, 3, result.stderr)
-        self.assertIn("pelvis.stl: error: expected three numbers", result.stderr)
-        self.assertFalse((self.pages / "bad.html").exists())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("pelvis.stl: expected three numbers", result.stderr)
+        self.open("partial.html")
+        self.assertEqual(
+            {names[each["body"]] for each in self.run_script("retarget.meshes(0)")},
+            {"torso_link", "left_knee_link"},
+        )
         self.assertEqual(
             self.run_in_pages(
                 "view", "fit.csv", "--robot", "unitree_g1", "--meshes", "none", "-o", "bad.html"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "human/gait/plant_noisy_feet.h"
+#include "human/gait/body_joint.h"
 #include "human/gait/track_noise.h"
 
 namespace retarget {
