@@ -49,6 +49,14 @@ class ArgumentTypeError(UsageError, TypeError):
     """An argument has the wrong type."""
 
 
+def checked_number(value: Any, name: str) -> float:
+    """Returns the value of an argument as a float."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentTypeError(f"{name}: expected a number, found {value!r:.60}") from None
+
+
 class InputError(Error, ValueError):
     """A motion is invalid: malformed, without frames, or lacking a bone."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from retarget import _retarget
 from retarget._api import StrPath, _clip, _robot, _taken
-from retarget._errors import ArgumentTypeError, RunError, UsageError
+from retarget._errors import ArgumentTypeError, RunError, UsageError, checked_number
 from retarget._signatures import names_of, with_options
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _LONGEST_GAP = 10.0
 
 
 def _seconds(value: float, name: str) -> float:
-    seconds = float(value)
+    seconds = checked_number(value, name)
     if not abs(seconds) <= _retarget.MAX_LIVE_TIME:
         raise UsageError(f"{name}: expected a finite number of seconds, at most "
                          f"{_retarget.MAX_LIVE_TIME:g}, found {value}")

@@ -181,6 +181,27 @@ def test_hostile_arguments(walk: retarget.Clip, g1: retarget.Robot,
             call()
 
 
+def test_edits_of_other_things_than_clips(walk: retarget.Clip) -> None:
+    edit = retarget.edit
+    for call in (edit.mirror, edit.loop, edit.trim, edit.ground, edit.lafan1, edit.follow_path,
+                 lambda clip: edit.resample(clip, 60), lambda clip: edit.turn(clip, 90),
+                 lambda clip: edit.move(clip, 1, 0), lambda clip: edit.rest(clip, walk),
+                 lambda clip: edit.transfer(clip, walk)):
+        with pytest.raises(retarget.UsageError, match="clip: expected a Clip, found str"):
+            call("walk.bvh")
+    with pytest.raises(retarget.UsageError, match="like: expected a Clip, found str"):
+        edit.transfer(walk, "walk.bvh")
+    with pytest.raises(retarget.UsageError, match="expected a list of Clips, found Clip"):
+        edit.concatenate(walk)
+    for clips in (["walk.bvh", walk], "walk.bvh"):
+        with pytest.raises(retarget.UsageError, match=r"clips\[0\]: expected a Clip, found str"):
+            edit.concatenate(clips)
+    with pytest.raises(retarget.UsageError, match="degrees: expected a number, found 'left'"):
+        edit.turn(walk, "left")
+    with pytest.raises(retarget.UsageError, match="y: expected a number, found None"):
+        edit.move(walk, 1, None)
+
+
 def test_an_empty_clip_has_no_frames(walk: retarget.Clip) -> None:
     empty = retarget.Clip.from_arrays(
         names=walk.joint_names, parents=walk.parents, positions=walk.positions[:0],

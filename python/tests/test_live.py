@@ -28,6 +28,15 @@ def test_times_must_be_finite(walk: retarget.Clip, g1: retarget.Robot, wrong: fl
         assert session.statistics["received"] == 1 and session.statistics["missed"] == 0
 
 
+@pytest.mark.parametrize("wrong", ["x", [1.0, 2.0], 10**400])
+def test_times_must_be_numbers(walk: retarget.Clip, g1: retarget.Robot, wrong: object) -> None:
+    with retarget.live(walk, g1) as session:
+        with pytest.raises(retarget.UsageError, match="time: expected a number, found"):
+            session.push(*first_frame(walk), time=wrong, now=0.0)
+        with pytest.raises(retarget.UsageError, match="now: expected a number, found"):
+            session.pull(now=wrong)
+
+
 @pytest.mark.parametrize("moment", [1e3, 1e5, 1.7e9, 9e11])
 def test_a_jump_of_the_callers_clock_is_no_burst(walk: retarget.Clip, g1: retarget.Robot,
                                                 moment: float) -> None:

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "edit/memory_clip.h"
 #include "retarget/clip.h"
 #include "retarget/clip_range.h"
 #include "retarget/edit.h"
@@ -25,7 +26,7 @@ Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
     clip.set_rate(frame_rate_from_fps(clip.rate().fps() * *options.speed));
   }
   return resample(
-      std::move(clip), rate,
+      without_file_size(std::move(clip)), rate,
       {options.linear ? Interpolation::kLinear : Interpolation::kCubic, options.antialias});
 }
 

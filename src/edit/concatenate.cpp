@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "edit/ground_pose.h"
+#include "edit/memory_clip.h"
 #include "edit/seam.h"
 #include "retarget/clip.h"
 #include "retarget/contact_plan.h"
@@ -66,7 +67,7 @@ class Joiner {
  private:
   // Appends b to a without changes.
   [[nodiscard]] Concatenation put_together(SeamMap map) const {
-    Clip whole = a_;
+    Clip whole = without_file_size(a_);
     whole.resize(a_.frame_count() + b_.frame_count());
     for (int frame = 0; frame < b_.frame_count(); ++frame) {
       copy_frame(b_, frame, whole, a_.frame_count() + frame);

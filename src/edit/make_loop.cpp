@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "edit/ground_pose.h"
+#include "edit/memory_clip.h"
 #include "edit/seam.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
@@ -223,7 +224,7 @@ double travel_of(const HumanClip& human) {
 
 Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& advance,
               const BodyMover& mover) {
-  Clip result = cycle;
+  Clip result = without_file_size(cycle);
   result.resize(cycle.frame_count() * options.times);
   GroundPose reached;
   for (int time = 1; time < options.times; ++time) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "edit/ground_pose.h"
+#include "edit/memory_clip.h"
 #include "edit/plant_feet.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
@@ -200,7 +201,7 @@ SeamRegion seam_region(const Seam& seam, const ConcatenateOptions& options, cons
 
 Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
                  const Calibration& calibration, const BodyMover& mover) {
-  Clip result = cut(a, 0, region.begin);
+  Clip result = without_file_size(cut(a, 0, region.begin));
   result.resize(b.frame_count() + region.b_shift);
   for (int frame = region.begin; frame < result.frame_count(); ++frame) {
     copy_frame(b, frame - region.b_shift, result, frame);

@@ -130,6 +130,13 @@ class Pipes(OptionsTest):
             result = self.live(text, "--input", address, "-o", "live.csv")
             self.assert_fails(result, 3, "no frame of the stream is usable", *messages)
 
+    def test_a_pipe_that_ends_too_early_names_what_is_missing(self):
+        walk = sample("walk").read_text()
+        for text, message in ((walk[:300], "the skeleton is incomplete: its line MOTION is missing"),
+                              (walk[:walk.index("Frame Time:")], "the skeleton has no rows")):
+            result = self.live(text, "--input", "stdin?format=bvh", "-o", "live.csv")
+            self.assert_fails(result, 3, message)
+
     def test_a_pipe_may_end_before_the_first_robot_frame(self):
         """In lag mode at clock pace, frames leave only after the window has filled."""
         short = "".join(self.played("lines", "walk").splitlines(keepends=True)[:10])

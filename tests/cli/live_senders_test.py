@@ -265,6 +265,7 @@ class Usage(LiveTest):
 
     def test_unknown_parts_of_an_input(self):
         self.refused("udp:0?format=bvh&fsp=30", "no option fsp=30", 'did you mean "fps"')
+        self.refused("udp:0?format=vmd", 'unknown stream format "vmd" (did you mean "vmc"?)', "stream formats are")
         self.refused("udp:0?format=vmc&actor=2", "no option actor=2")
         self.refused("tcp:0?form=127.0.0.1", 'did you mean "from"')
         self.refused("stdin?format=bvh&from=127.0.0.1", "no option from")

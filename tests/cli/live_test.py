@@ -278,6 +278,19 @@ class BinaryFormats(LiveTest):
         self.assertEqual((self.folder / "again.csv").read_bytes(), (self.folder / "live.csv").read_bytes())
         self.assertGreater(port, 0)
 
+    def test_natnet_names_a_server_that_does_not_answer(self):
+        for has_frames in (False, True):
+            command = free_port()
+            process, port = self.ask(command)
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+                for _ in range(10 if has_frames else 0):
+                    sender.sendto(b"\7\0\x08\0" + bytes(8), ("127.0.0.1", port))
+                    time.sleep(0.02)
+            time.sleep(0.3)
+            _, messages = self.end(process)
+            self.assertRegex(messages, "10 packets malformed; Motive" if has_frames else "no packet arrived: Motive")
+            self.assertIn(f"command port 127.0.0.1:{command} does not answer", messages)
+
     def test_natnet_to_a_group(self):
         command, group = free_port(), free_port()
         self.write("short.bvh", short_clip("walk", 60))

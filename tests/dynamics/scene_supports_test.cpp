@@ -28,7 +28,7 @@ SceneBody box(const Vector3d& size, const Vector3d& position) {
 SceneWorld world_of(SceneBody body, const std::vector<Vector3d>& path, double fps = 30.0) {
   auto scene = std::make_shared<Scene>();
   scene->bodies.push_back(std::move(body));
-  SceneClip clip{scene, frame_rate_from_fps(fps), static_cast<int>(path.size()), {}};
+  SceneClip clip{scene, frame_rate_from_fps(fps), static_cast<int>(path.size()), {}, {}};
   for (const Vector3d& position : path) {
     clip.world_from_body.emplace_back().translation = position;
   }

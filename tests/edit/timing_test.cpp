@@ -74,6 +74,27 @@ TEST(Timing, SpeedOneIsIdentity) {
   EXPECT_EQ(largest_distance(change_speed(walk, 1.0).value(), walk, 0.01), 0.0);
 }
 
+// The size of a file does not determine the memory that a longer clip may need.
+TEST(Timing, EditsThatLengthenAClipForgetTheSizeOfItsFile) {
+  Clip walk = data_sample("walk").clip;
+  ClipOrigin origin = walk.origin();
+  origin.bytes = 1000;
+  walk.set_origin(origin);
+  const EditSample sample(walk);
+  LoopOptions loop;
+  loop.shortest = 0.9;
+  loop.times = 3;
+  EXPECT_EQ(make_loop(cut(walk, 100, 200), sample.calibration, loop).value().clip.origin().bytes,
+            0U);
+  EXPECT_EQ(concatenate(cut(walk, 0, 150), cut(walk, 150, 300), sample.calibration, {}, "a", "b")
+                .value()
+                .clip.origin()
+                .bytes,
+            0U);
+  EXPECT_EQ(change_speed(walk, 0.5).value().origin().bytes, 0U);
+  EXPECT_EQ(change_speed(walk, 0.5).value().name(), walk.name());
+}
+
 TEST(Timing, CanSampleAnyTime) {
   const Clip swing = swinging({30, 1}, 61, 1.0);
   const ClipSampler sampler(swing);

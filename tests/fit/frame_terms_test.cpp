@@ -244,7 +244,7 @@ std::optional<FitScene> scene_around(const FitModel& model) {
   ball.radius = 0.3;
   scene->bodies = {{"box", {box}, {exp_so3(Vector3d(0.2, 0.5, -0.3)), Vector3d(0.2, 0.1, 0.5)}},
                    {"ball", {ball}, {Eigen::Quaterniond::Identity(), Vector3d(-0.3, 0.0, 0.9)}}};
-  SceneClip clip{scene, frame_rate_from_fps(30.0), 1, {}};
+  SceneClip clip{scene, frame_rate_from_fps(30.0), 1, {}, {}};
   for (const SceneBody& body : scene->bodies) clip.world_from_body.push_back(body.world_from_body);
   auto world = make_scene_world(std::move(clip));
   if (!world) return std::nullopt;

@@ -121,6 +121,48 @@ TEST(FrontDoor, SolvingReportsProgressAndCanBeStopped) {
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }
 
+// A clip of 12,000 frames, as a program makes it from arrays.
+Clip long_clip(FrameRate rate) {
+  const auto walk = value_of(load_clip(sample("walk")));
+  Clip clip(walk.shared_skeleton(), rate, 12000);
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const int step = frame % (2 * walk.frame_count() - 2);
+    copy_frame(walk, std::min(step, 2 * walk.frame_count() - 2 - step), clip, frame);
+  }
+  return clip;
+}
+
+TEST(FrontDoor, AClipWithoutAFileNeedsMemoryInProportionToItself) {
+  const auto robot = value_of(g1());
+  Options options;
+  options.save.formats = {MotionFormat::kNpzMjlab};
+  Clip clip = long_clip({30, 1});
+  ASSERT_TRUE(make_plan(clip, robot, options));
+
+  options.source.memory_gb = 0.1;
+  const auto limited = make_plan(clip, robot, options);
+  ASSERT_FALSE(limited);
+  EXPECT_THAT(limited.error().hint, HasSubstr("memory"));
+
+  options.source.memory_gb = 0.0;
+  ClipOrigin origin;
+  origin.bytes = 1000;
+  clip.set_origin(origin);
+  EXPECT_FALSE(make_plan(clip, robot, options));
+}
+
+TEST(FrontDoor, ALowRateOfAClipWithoutAFileIsDoubted) {
+  const auto robot = value_of(g1());
+  Options options;
+  options.source.memory_gb = 1000.0;
+  Clip clip = value_of(load_clip(sample("walk")));
+  clip.set_origin({});
+  clip.set_rate({1, 100});
+  const auto plan = make_plan(clip, robot, options);
+  ASSERT_FALSE(plan);
+  EXPECT_THAT(plan.error().message, HasSubstr("for a source of this size"));
+}
+
 TEST(FrontDoor, ErrorsNameOptionFields) {
   const auto robot = load_robot(named("unitree_g2"), {kSource});
   ASSERT_FALSE(robot);

@@ -145,6 +145,17 @@ TEST(BvhRows, RequireASkeleton) {
   EXPECT_THAT(refused_line(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
 }
 
+TEST(BvhRows, NameAMissingPartOfTheStream) {
+  const auto decoder = stream_decoder("bvh");
+  const std::string header = stream_encoder("bvh")->begin(sample_clip("walk"));
+  KeptStream kept;
+  EXPECT_EQ(decoder->lack(), "");
+  ASSERT_TRUE(take_lines(*decoder, header.substr(0, 300), kept));
+  EXPECT_THAT(decoder->lack(), HasSubstr("incomplete"));
+  ASSERT_TRUE(take_lines(*decoder, header, kept));
+  EXPECT_THAT(decoder->lack(), HasSubstr("no rows"));
+}
+
 TEST(BvhRows, DeclareTheirFrameTime) {
   const Clip clip = sample_clip("walk");
   const auto encoder = stream_encoder("bvh");

@@ -267,11 +267,23 @@ TEST(NatNet, RepeatsRequestsUntilAReply) {
 TEST(NatNet, ReportsASilentServer) {
   const auto decoder = natnet_decoder("&server=127.0.0.1");
   KeptStream kept;
+  EXPECT_EQ(decoder->lack(), "Motive's command port 127.0.0.1:1510 does not answer");
   int refused = 0;
   for (int i = 0; i < 400; ++i) {
-    if (!decoder->take(frame({4, 1}, world_poses(), i), kept)) ++refused;
+    const auto taken = decoder->take(frame({4, 1}, world_poses(), i), kept);
+    if (taken) continue;
+    ++refused;
+    EXPECT_THAT(taken.error().message, HasSubstr("127.0.0.1:1510 does not answer"));
   }
   EXPECT_EQ(refused, 150);
+  ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
+  EXPECT_EQ(decoder->lack(), "");
+}
+
+TEST(NatNet, NamesTheChosenCommandPort) {
+  const auto decoder = natnet_decoder("&server=127.0.0.1&command=1570&version=4.1");
+  EXPECT_THAT(decoder->lack(), HasSubstr("127.0.0.1:1570"));
+  EXPECT_EQ(natnet_decoder()->lack(), "");
 }
 
 TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {

@@ -335,7 +335,7 @@ Result<std::string> robot_pack(const std::string& robot) {
 CLI::App* add_generate_command(CLI::App& app, Generated& generated) {
   CLI::App* command =
       app.add_subcommand("generate", "Print completions, man page, options page or robot pack");
-  Option row = word("what", generated.what, "", "Kind of output");
+  Option row = word("kind", generated.what, "", "Kind of output");
   row.choices = {"bash", "zsh", "fish", "man", "options", "robot-pack"};
   const Option robot =
       word("robot", generated.robot, "ROBOT", "Robot of a pack (docs/browser.md)", false);

@@ -18,6 +18,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"
+#include "motion/clip.h"
 #include "motion/resample.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
@@ -143,6 +144,12 @@ Result<void> load_edits(const Clip& clip, Plan& plan) {
   return {};
 }
 
+// Size of the clip's file. A clip that was made in memory has none, and counts itself.
+std::uint64_t source_bytes(const Clip& clip) {
+  if (clip.origin().bytes > 0) return clip.origin().bytes;
+  return frame_bytes(clip.skeleton()) * static_cast<std::uint64_t>(clip.frame_count());
+}
+
 }  // namespace
 
 std::int64_t Plan::frame_count() const {
@@ -158,6 +165,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
     return input_failure(clip.name(), "the clip has no frames",
                          "retarget inspect shows its skeleton");
   }
+  const std::uint64_t bytes = source_bytes(clip);
   Plan plan;
   plan.robot = robot.loaded;
   plan.options = options;
@@ -188,7 +196,6 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   TRY(check_scene_fit(clip, plan));
   TRY(scale_source_travel(clip, plan));
   TRY(vary_scene(clip, plan));
-  const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));
   TRY(set_time_scale(plan));
   TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},

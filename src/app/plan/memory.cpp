@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kShares = 4;
 
 // Approximate bytes per output frame until the motion is written and measured, and the most memory
-// per byte of the source file, so that a tiny file cannot request a huge clip. Motion files have at
+// per byte of the source, so that a tiny file cannot request a huge clip. Motion files have at
 // least a fortieth of kBytesOfFrame per frame.
 constexpr std::uint64_t kBytesOfFrame = 5000;
 constexpr std::uint64_t kMaxOfFile = 200;
@@ -84,7 +84,7 @@ Result<void> check_need(const MotionNeed& need, double memory_gb, const SaveOpti
   return input_failure(need.file,
                        std::to_string(need.frames) + " frames of output need about " +
                            megabytes(needed) + " of memory, at most " + megabytes(max) +
-                           " are allowed" + (max == given ? "" : " for a file of this size"),
+                           " are allowed" + (max == given ? "" : " for a source of this size"),
                        std::move(hint));
 }
 

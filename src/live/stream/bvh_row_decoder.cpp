@@ -39,6 +39,7 @@ class BvhRowDecoder final : public Decoder {
   Result<void> take(std::string_view bytes, StreamSink& sink) override;
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override;
   void restart() override { header_.clear(); }
+  [[nodiscard]] std::string lack() const override;
   std::string_view time_remedy() const override {
     return "state their rate (stdin?format=bvh&fps=30)";
   }
@@ -63,6 +64,11 @@ class BvhRowDecoder final : public Decoder {
 void BvhRowDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
   known_ = skeleton;
   use(skeleton);
+}
+
+std::string BvhRowDecoder::lack() const {
+  if (!header_.empty()) return "the skeleton is incomplete: its line MOTION is missing";
+  return rows_ && count_ == 0 ? "the skeleton has no rows" : std::string();
 }
 
 void BvhRowDecoder::use(const std::shared_ptr<const Skeleton>& skeleton) {

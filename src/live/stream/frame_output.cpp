@@ -60,9 +60,8 @@ Result<void> check_output_format(const StreamAddress& to) {
   if (found == formats.end()) {
     std::vector<std::string> names;
     for (const OutputFormat& format : formats) names.emplace_back(format.name);
-    return usage_failure(fmt::format("robot frame formats are {}, found format \"{}\"",
-                                     list_names(names), to.format),
-                         did_you_mean(to.format, names));
+    return usage_failure(fmt::format("robot frame formats are {}, found format \"{}\"{}",
+                                     list_names(names), to.format, did_you_mean(to.format, names)));
   }
   if (found->port == 0) return {};
   return usage_failure(

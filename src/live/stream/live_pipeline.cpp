@@ -196,10 +196,15 @@ Result<void> LivePipeline::check_used(const std::string& input, std::string_view
   // In lag mode, a short stream at clock pace ends before its first robot frame.
   const LiveStatistics now = statistics();
   const bool is_used = now.received > now.bad + now.late + now.doubled;
-  if (is_used || now.robot_frames > 0 || packets_.packets == 0) return {};
+  if (is_used || now.robot_frames > 0) return {};
+  const std::string lack = decoder_->lack();
+  if (packets_.packets == 0) {
+    return lack.empty() ? Result<void>() : input_failure(input, "no packet arrived: " + lack);
+  }
   std::string why = fmt::format("no frame of the stream is usable: {} of {} malformed",
                                 packets_.malformed, count_text(packets_.packets, "packet"));
   if (!malformed_why_.empty()) why += ", the first one: " + printable(malformed_why_);
+  if (!lack.empty()) why += "; " + lack;
   if (!session_ && !refused_why_.empty()) why += "; no human: " + refused_why_;
   if (!session_ && calibrates_) why += "; the input ended before the calibration";
   const std::string_view likely = likely_format(malformed_head_);

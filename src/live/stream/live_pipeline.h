@@ -70,11 +70,13 @@ class LivePipeline final {
   void take_body(double now);
   /// The request to send to the sender now (Decoder::request).
   [[nodiscard]] std::string_view request() const { return decoder_->request(); }
+  /// Decoder::lack of the stream. Called by the thread that decodes.
+  [[nodiscard]] std::string lack() const { return decoder_->lack(); }
   /// Ends the input and emits the remaining frames.
   void finish(double now);
 
-  /// Why the packets of an input gave no robot frame; no error if they gave any, or
-  /// if there are none.
+  /// Why an input gave no robot frame; no error if it gave any, or if nothing is known of an input
+  /// without packets.
   /// @param input   address of the input, without its format.
   /// @param format  name of the stream's format.
   [[nodiscard]] Result<void> check_used(const std::string& input, std::string_view format) const;

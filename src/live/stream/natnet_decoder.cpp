@@ -89,6 +89,8 @@ PlaceErrors place_errors(std::span<const StreamJoint> joints, double metres,
   return errors;
 }
 
+constexpr int kCommandPort = 1510;
+
 class NatNetDecoder final : public Decoder {
  public:
   explicit NatNetDecoder(const StreamAddress& from);
@@ -98,6 +100,7 @@ class NatNetDecoder final : public Decoder {
   }
   void restart() override;
   [[nodiscard]] std::string_view request() const override;
+  [[nodiscard]] std::string lack() const override;
 
  private:
   Result<void> take_message(std::string_view bytes, StreamSink& sink);
@@ -105,10 +108,13 @@ class NatNetDecoder final : public Decoder {
   Result<void> take_frame(std::string_view payload, StreamSink& sink);
   Result<void> learn_by_order(StreamSink& sink);
   [[nodiscard]] bool waits_for_server();
+  [[nodiscard]] Failure unknown_version() const;
+  [[nodiscard]] std::string undescribed() const;
   Result<void> place_bones();
   void decide_coordinates();
 
-  bool datagrams_, has_server_;
+  bool datagrams_;
+  std::string server_;  // Address of Motive's command port; empty: none is given.
   std::optional<int> actor_;
   std::optional<NatNetVersion> chosen_version_;
   std::optional<bool> chosen_local_;
@@ -126,9 +132,15 @@ class NatNetDecoder final : public Decoder {
   std::vector<Pose> poses_;
 };
 
+std::string command_address(const StreamAddress& from) {
+  const std::string server = from.extra("server"), command = from.extra("command");
+  if (server.empty()) return {};
+  return server + ":" + (command.empty() ? std::to_string(kCommandPort) : command);
+}
+
 NatNetDecoder::NatNetDecoder(const StreamAddress& from)
     : datagrams_(from.transport == Transport::kUdp),
-      has_server_(!from.extra("server").empty()),
+      server_(command_address(from)),
       actor_(parse_number<int>(from.extra("actor"))),
       chosen_version_(natnet_version(from.extra("version"))),
       version_(chosen_version_) {
@@ -153,6 +165,11 @@ std::string_view NatNetDecoder::request() const {
   static constexpr std::string_view kKeepAlive("\x0A\0\0\0", 4);
   if (!server_answered_) return kConnect;
   return wants_models_ ? kModelsRequest : kKeepAlive;
+}
+
+std::string NatNetDecoder::lack() const {
+  if (server_.empty() || server_answered_) return {};
+  return fmt::format("Motive's command port {} does not answer", server_);
 }
 
 Result<void> NatNetDecoder::take(std::string_view bytes, StreamSink& sink) {
@@ -182,7 +199,10 @@ Result<void> NatNetDecoder::take_message(std::string_view bytes, StreamSink& sin
   }
 }
 
-Failure unknown_version() {
+Failure NatNetDecoder::unknown_version() const {
+  if (const std::string why = lack(); !why.empty()) {
+    return bad_packet("unknown NatNet version: " + why + "; ?version=4.1 sets it");
+  }
   return bad_packet(
       "unknown NatNet version: query it with ?server=ADDRESS of Motive's computer, or set it with "
       "?version=4.1");
@@ -243,7 +263,7 @@ Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sin
 // While requests are pending, frames that cannot be interpreted yet are not an error.
 bool NatNetDecoder::waits_for_server() {
   constexpr int kFrames = 250;
-  return has_server_ && frames_waited_++ < kFrames;
+  return !server_.empty() && frames_waited_++ < kFrames;
 }
 
 // Copies the poses of a frame in the order of the joints.
@@ -269,15 +289,22 @@ void NatNetDecoder::decide_coordinates() {
   is_local_ = errors.local < errors.world;
 }
 
+std::string NatNetDecoder::undescribed() const {
+  if (server_.empty()) {
+    return "the bones are not described (query them with ?server=ADDRESS of Motive's computer)";
+  }
+  const std::string why = lack();
+  return "the bones are not described: " +
+         (why.empty() ? fmt::format("Motive's command port {} sent no skeletons", server_) : why);
+}
+
 // Handles bones without a description if the user named a file: they are its joints if their number
 // and their positions match.
 Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
-  const std::string undescribed =
-      "the bones are not described (query them with ?server=ADDRESS of Motive's computer)";
-  if (skeleton_.known() == nullptr) return bad_packet(undescribed);
+  if (skeleton_.known() == nullptr) return bad_packet(undescribed());
   const Skeleton& known = *skeleton_.known();
   if (frame_.bones.size() != static_cast<std::size_t>(known.joint_count())) {
-    return bad_packet(fmt::format("{}: received {}, but the skeleton file has {}", undescribed,
+    return bad_packet(fmt::format("{}: received {}, but the skeleton file has {}", undescribed(),
                                   frame_.bones.size(), count_text(known.joint_count(), "joint")));
   }
   std::vector<int> ids;
@@ -302,7 +329,7 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
   }
   constexpr double kMaxError = 0.15;  // Fraction of the bone length.
   if (!(best < kMaxError * length)) {
-    return bad_packet(undescribed + ", and their positions do not match the skeleton file");
+    return bad_packet(undescribed() + ", and their positions do not match the skeleton file");
   }
   for (StreamJoint& joint : joints) joint.offset *= metres;
   ids_ = std::move(ids);
@@ -332,7 +359,7 @@ StreamFormat natnet_format() {
           },
           .encoder = make_natnet_encoder,
           .is_metric = true,
-          .request_port = 1510,
+          .request_port = kCommandPort,
           .extras = kExtras};
 }
 

@@ -95,6 +95,7 @@ class Server {
   Result<void> advance();
   void emit(const std::stop_token& stop);
   Result<void> listen();
+  void report_lack(std::int64_t now);
   Result<void> receive();
   Result<void> replay();
   [[nodiscard]] bool is_over(std::int64_t now, std::int64_t latest) const;
@@ -119,6 +120,7 @@ class Server {
   std::int64_t latest_ = 0;             // Time of the last event, microseconds.
   std::optional<Result<void>> failed_;  // Error of the second thread.
   bool has_ended_ = false;              // The input has no more bytes.
+  bool lack_reported_ = false;
 };
 
 Result<void> Server::open_source() {
@@ -289,13 +291,27 @@ Result<void> Server::listen() {
   return listened;
 }
 
+// Reports once that a server does not answer.
+void Server::report_lack(std::int64_t now) {
+  constexpr std::int64_t kPatience = 3000000;  // microseconds
+  if (lack_reported_ || now < kPatience) return;
+  const std::string lack = pipeline_->lack();
+  lack_reported_ = true;
+  if (lack.empty()) return;
+  const std::lock_guard lock(mutex_);
+  control_.tell("input", lack);
+}
+
 Result<void> Server::receive() {
   constexpr double kWait = 0.01;  // Seconds between checks whether the run is over.
   ByteSource& source = *source_;
   Asker asker;
   std::int64_t heard = watch_.now(), now = heard;
   while (!is_over(now, heard)) {
-    if (source.can_send()) asker.ask(source, pipeline_->request(), now);
+    if (source.can_send()) {
+      asker.ask(source, pipeline_->request(), now);
+      report_lack(now);
+    }
     const ByteSource::Event event = source.wait(kWait);
     now = watch_.now();
     if (event == ByteSource::Event::kEnd) {

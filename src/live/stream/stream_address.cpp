@@ -130,8 +130,8 @@ Result<void> check_extras(const StreamAddress& address, std::span<const std::str
     if (std::ranges::find(known, name) != known.end()) continue;
     std::vector<std::string> names(known.begin(), known.end());
     names.emplace_back("format");
-    return usage_failure(fmt::format("{} has no option {}={}", address.text(), name, value),
-                         did_you_mean(name, names));
+    return usage_failure(fmt::format("{} has no option {}={}{}", address.text(), name, value,
+                                     did_you_mean(name, names)));
   }
   return {};
 }

@@ -77,7 +77,8 @@ Result<const StreamFormat*> find_stream_format(const std::string& name) {
   if (found != formats.end()) return &*found;
   std::vector<std::string> names;
   for (const StreamFormat& format : formats) names.emplace_back(format.name);
-  return usage_failure("unknown stream format \"" + name + "\"", did_you_mean(name, names));
+  return usage_failure("unknown stream format \"" + name + "\"" + did_you_mean(name, names),
+                       "stream formats are " + list_names(names));
 }
 
 std::string_view likely_format(std::string_view packet) {

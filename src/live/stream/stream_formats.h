@@ -63,6 +63,9 @@ class Decoder {
   /// The request to send to the sender now, for protocols with requests; called repeatedly. Empty:
   /// no request.
   [[nodiscard]] virtual std::string_view request() const { return {}; }
+  /// The reason why no packet gives a frame yet, such as a missing part of the stream;
+  /// human-readable. Empty: unknown.
+  [[nodiscard]] virtual std::string lack() const { return {}; }
 };
 
 /// Encodes a clip as bytes of a protocol.
