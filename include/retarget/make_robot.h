@@ -44,6 +44,7 @@ struct RobotSources {
   std::string config;   ///< Configuration for LAFAN1's skeleton; without config_of_others, for all.
   std::string config_of_others;  ///< Configuration for all other sources.
   RobotBase base = RobotBase::kAuto;
+  std::string warning = {};  ///< Another robot that the name may mean; empty: none.
   /// Set only for a robot that is not installed; robot.json states these for installed robots.
   std::string description = {};
   std::string licence = {};

@@ -35,7 +35,7 @@ namespace RETARGET_API retarget {
                                                       const std::string& data_folder);
 
 /// The robot of a model file, with the `robot.json` and the retargeting configurations in the
-/// model's folder and the data folder.
+/// model's folder. With a `robot.json`, the data folder may have a configuration as well.
 [[nodiscard]] RobotSources sources_of_model(const std::filesystem::path& model,
                                             const std::string& data_folder);
 

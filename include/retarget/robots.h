@@ -34,6 +34,9 @@ struct RobotFiles {
   std::filesystem::path profile;  ///< Its `robot.json`; empty when the folder has none.
   /// The robot's full name if it was found by name; the folder if one was given.
   std::string name;
+  /// Names another robot that the given name may mean, in the current folder or among the known
+  /// robots; empty: there is none.
+  std::string warning = {};
 };
 
 /// Finds the files of a robot given by its name or its folder.

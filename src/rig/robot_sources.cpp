@@ -28,11 +28,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Adds the configurations next to the model and in the data folder.
+// Adds the configurations next to the model and, for a robot, in the data folder.
 RobotSources with_configs(const fs::path& model, const fs::path& profile,
                           const std::string& data_folder) {
   const fs::path named = model.parent_path();
   const fs::path folder = named.empty() ? fs::path(".") : named;
+  // The folder of a bare model may have any name, also that of a robot.
+  if (profile.empty()) {
+    const fs::path own = folder / "ik.json";
+    return {{}, model.string(), {}, is_file(own) ? own.string() : std::string(), {}};
+  }
   const auto found =
       find_configs({}, Method::kGmr, folder, data_folder, fs::absolute(folder).filename().string());
   const ConfigFiles configs = found.value_or(ConfigFiles{});
@@ -276,7 +281,9 @@ std::string installed_line(const Robot& robot, const RobotSources& files) {
 Result<RobotSources> find_robot_sources(const std::string& name_or_folder,
                                         const std::string& data_folder) {
   RETARGET_TRY_ASSIGN(const auto files, find_robot(name_or_folder, robot_folders(data_folder)));
-  return with_configs(files.model, files.profile, data_folder);
+  RobotSources sources = with_configs(files.model, files.profile, data_folder);
+  sources.warning = files.warning;
+  return sources;
 }
 
 RobotSources sources_of_model(const fs::path& model, const std::string& data_folder) {

@@ -8,6 +8,7 @@
 #include "retarget/shape_distance.h"
 #include "robot/anatomy/bare_robot.h"
 #include "robot/anatomy/shapes.h"
+#include "support/box_obj.h"
 #include "support/humanoids.h"
 #include "support/value_of.h"
 
@@ -22,22 +23,6 @@ std::string write_below(const TemporaryFolder& folder, const std::string& name,
                         const std::string& text) {
   fs::create_directories((folder.path() / name).parent_path());
   return folder.write(name, text);
-}
-
-// A box as an OBJ file: from lower to upper corner, each face as two triangles.
-std::string box_obj(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
-  std::string text;
-  for (const double x : {lower.x(), upper.x()}) {
-    for (const double y : {lower.y(), upper.y()}) {
-      for (const double z : {lower.z(), upper.z()}) {
-        text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
-      }
-    }
-  }
-  for (const char* face : {"1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"}) {
-    text += std::string("f ") + face + "\n";
-  }
-  return text;
 }
 
 // The tiny humanoid with meshes in millimetres for feet and thighs, and a missing mesh file for the

@@ -333,7 +333,35 @@ class Robots(ToolTest):
         self.assert_done(installed)
         self.assertEqual(len(read_rows(installed.stdout)[0]), 7 + 29)
         self.assertIn("./unitree_g1 selects it", installed.stderr)
+        for action in ("check", "show"):
+            self.assertIn("./unitree_g1 selects it", self.run_tool("robots", action, "unitree_g1").stderr)
+            self.assertEqual(self.run_tool("robots", action, "./unitree_g1").stderr, "")
         self.assert_fails(self.retarget(*run, robot="./unitree_h1", bvh=sample("walk"), output="-"), 4, "./unitree_h1")
+
+    def test_a_folder_with_the_short_name_of_a_robot(self):
+        self.write("k1.xml", K1.read_bytes())
+        self.assert_done(self.run_tool("robots", "add", "g1", "--model", "k1.xml"))
+        warning = "using the folder g1 here, not the robot unitree_g1: its full name selects it"
+        run = {"bvh": sample("walk"), "output": "-"}
+        short = self.retarget("--frames", ":10", "--method", "gmr", robot="g1", **run)
+        self.assert_done(short)
+        self.assertEqual(len(read_rows(short.stdout)[0]), 7 + 22)
+        self.assertIn(warning, unwrapped(short.stderr))
+        by_path = self.retarget("--frames", ":10", "--method", "gmr", robot="./g1", **run)
+        self.assertNotIn("not the robot", by_path.stderr)
+        self.assertIn(warning, unwrapped(self.run_tool("robots", "show", "g1").stderr))
+
+    def test_robots_added_to_the_folder_of_the_user(self):
+        self.write("k1.xml", K1.read_bytes())
+        (self.folder / "own/retarget").mkdir(parents=True)
+        env = self.tool_environment(XDG_DATA_HOME=str(self.folder / "own"))
+        add = ("robots", "add", "mine", "--model", "k1.xml", "-o")
+        added = self.run_tool(*add, "own/retarget/robots", env=env)
+        self.assert_done(added)
+        self.assertNotIn("same name", added.stderr)
+        other = self.run_tool(*add, ".", env=env)
+        self.assert_done(other)
+        self.assertIn("an installed robot has the same name", unwrapped(other.stderr))
 
     def test_show_names_the_configuration_of_the_default_method(self):
         robot = json.loads(self.output_of("show", "unitree_g1", "--json"))

@@ -106,6 +106,14 @@ TEST(RetargetingConfig, ReportsWrongTypesAndMissingKeysTogether) {
                     HasSubstr("must be true or false")));
 }
 
+TEST(RetargetingConfig, ScalesMustBePositive) {
+  for (const double scale : {0.0, -1.0}) {
+    OrderedJson json = good_config();
+    json["human_scale_table"]["Hips"] = scale;
+    EXPECT_THAT(fault_of(json), HasSubstr("scale of \"Hips\" must be more than 0"));
+  }
+}
+
 TEST(RetargetingConfig, ReportsUnknownBodiesAndBonesTogether) {
   OrderedJson json = good_config();
   json["robot_root_name"] = "bsae";

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -209,6 +210,17 @@ TEST_F(ProfileChecksTest, ErrorsOfTheModelEndTheCheck) {
     ASSERT_FALSE(found.has_value());
     EXPECT_THAT(found.error().location.file, HasSubstr("model.xml"));
   }
+}
+
+TEST_F(ProfileChecksTest, NotesMovingJointsWithoutAColumn) {
+  const std::string what = "\"joint_order\" in robot.json leaves out joints";
+  EXPECT_THAT(findings(false), Not(Contains(HasSubstr(what))));
+  edit([](Profile& profile) {
+    auto& order = profile["joint_order"];
+    order.erase(std::ranges::find(order, "left_knee"));
+  });
+  EXPECT_THAT(findings(true), IsEmpty());
+  EXPECT_THAT(findings(false), Contains(AllOf(HasSubstr(what), HasSubstr("left_knee"))));
 }
 
 // The base is read from a profile that has other errors.

@@ -173,6 +173,21 @@ TEST(LoadModelTest, RepeatedNamesInUrdfAreNamed) {
       "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n</robot>");
   EXPECT_EQ(twice.location.line, 4U);
   EXPECT_THAT(twice.message, HasSubstr("repeated name 'b': two elements of kind link"));
+
+  const std::string joint =
+      "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>";
+  const Error joints = error_of(
+      "<robot name=\"r\">\n<link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\n" + joint +
+      "\n<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child "
+      "link=\"c\"/></joint>\n</robot>");
+  EXPECT_EQ(joints.location.line, 4U);
+  EXPECT_THAT(joints.message, HasSubstr("repeated name 'j': two elements of kind joint"));
+}
+
+TEST(LoadModelTest, TheNameOfTheWorldIsReserved) {
+  const Error error = error_of(world("<body name=\"world\"><freejoint/><geom size=\"1\"/></body>"));
+  EXPECT_THAT(error.message, HasSubstr("the name 'world' of a body is reserved"));
+  EXPECT_THAT(error.message, Not(HasSubstr("two elements")));
 }
 
 TEST(LoadModelTest, RejectsEndlessNesting) {

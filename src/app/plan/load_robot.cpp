@@ -93,17 +93,6 @@ Result<void> check_given_soles(LoadedRobot& loaded) {
   return {};
 }
 
-// Warns if the current folder has another robot with the name of an installed one.
-void warn_of_namesake(const std::string& name, const RobotFiles& chosen, LoadedRobot& loaded) {
-  const fs::path here = fs::path(".") / name / chosen.model.filename();
-  std::error_code ignored;
-  if (fs::path(name).has_parent_path() || !is_file(here)) return;
-  if (fs::equivalent(here, chosen.model, ignored)) return;
-  loaded.warnings.push_back({0, 0,
-                             "using the installed robot " + chosen.name +
-                                 ", not the folder of that name here: ./" + name + " selects it"});
-}
-
 }  // namespace
 
 Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data_folder,
@@ -118,7 +107,7 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
     if (files.name != choice.name) {
       loaded.notes.push_back({"robot", "\"" + choice.name + "\" is " + files.name});
     }
-    warn_of_namesake(choice.name, files, loaded);
+    if (!files.warning.empty()) loaded.warnings.push_back({0, 0, files.warning});
     loaded.name = loaded.choice.name = files.name;
     loaded.model = files.model.string();
     loaded.profile = files.profile.string();

@@ -365,10 +365,12 @@ MeshPoints mesh_points(const Robot& robot, const std::string& model_path) {
     }
   }
   points.bodies = points_by_mujoco(model_path);
-  if (!points.bodies.empty() || !surfaces) return points;
+  if (!surfaces) return points;
   points.bodies.resize(robot.bodies().size());
   for (const auto& [body, mesh] : surfaces->bodies) {
     std::vector<Vector3d>& of_body = points.bodies[static_cast<std::size_t>(body)];
+    // MuJoCo reads only the collision meshes of a URDF.
+    if (!of_body.empty()) continue;
     of_body = mesh.vertices;
     for (const auto& [a, b, c] : mesh.triangles) {
       add_triangle(mesh.vertices[static_cast<std::size_t>(a)],

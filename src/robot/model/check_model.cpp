@@ -175,6 +175,7 @@ Result<void> ModelChecker::vet_file(const std::string& file, const Place& from) 
   }
   const XMLElement* top = document.RootElement();
   if (top == nullptr) return {};
+  if (is_urdf(*top)) TRY(check_urdf_names(*top, file));
   return vet(*top, {file, fs::path(file).parent_path(), from.copies, from.depth, from.files + 1,
                     is_xacro_template(*top)});
 }

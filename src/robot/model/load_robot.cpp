@@ -108,7 +108,7 @@ Result<RobotFiles> files_in(const fs::path& folder, const std::string& name) {
   if (!fs::status_known(fs::status(profile, error))) {
     return config_failure(profile.string(), "cannot access the file: " + error.message());
   }
-  return RobotFiles{folder / kModelFile, is_file(profile) ? profile : fs::path(), name};
+  return RobotFiles{folder / kModelFile, is_file(profile) ? profile : fs::path(), name, {}};
 }
 
 // The folder of an installed robot. A path with a separator, such as ./unitree_g1, never names one.
@@ -122,6 +122,26 @@ std::optional<fs::path> folder_of_installed(const fs::path& name, const RobotFol
   return std::nullopt;
 }
 
+// Warns of another robot in the current folder with the name of an installed one.
+std::string warning_of_folder(const RobotFiles& installed) {
+  const fs::path here = fs::path(".") / installed.name / kModelFile;
+  std::error_code ignored;
+  if (!is_file(here) || fs::equivalent(here, installed.model, ignored)) return {};
+  return "using the installed robot " + installed.name + ", not the folder of that name here: ./" +
+         installed.name + " selects it";
+}
+
+// Warns if the name of a folder is also the short name of a known robot.
+std::string warning_of_short_name(const fs::path& folder, const RobotFolders& folders) {
+  if (folder.has_parent_path()) return {};
+  const auto names = names_in(folders);
+  if (!names) return {};
+  const std::vector<std::string> called = robots_called(folder.string(), names->all);
+  if (called.size() != 1 || called.front() == folder) return {};
+  return "using the folder " + folder.string() + " here, not the robot " + called.front() +
+         ": its full name selects it";
+}
+
 }  // namespace
 
 std::string install_hint(const std::string& robot) {
@@ -133,10 +153,15 @@ std::string install_hint(const std::string& robot) {
 Result<RobotFiles> find_robot(const std::string& name_or_folder, const RobotFolders& folders) {
   const fs::path given(name_or_folder);
   if (const auto folder = folder_of_installed(given, folders)) {
-    return files_in(*folder, name_or_folder);
+    TRY_ASSIGN(RobotFiles files, files_in(*folder, name_or_folder));
+    files.warning = warning_of_folder(files);
+    return files;
   }
-  if (!name_or_folder.empty() && is_file(given / kModelFile))
-    return files_in(given, name_or_folder);
+  if (!name_or_folder.empty() && is_file(given / kModelFile)) {
+    TRY_ASSIGN(RobotFiles files, files_in(given, name_or_folder));
+    files.warning = warning_of_short_name(given, folders);
+    return files;
+  }
   TRY_ASSIGN(const Names names, names_in(folders));
   const std::vector<std::string> called = robots_called(name_or_folder, names.all);
   if (called.size() > 1) return ambiguous(name_or_folder, called, names);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 #include <tinyxml2.h>
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdlib>
@@ -11,7 +12,6 @@
 #include <utility>
 
 #include "base/parse_xml.h"
-#include "retarget/file.h"
 
 namespace retarget {
 namespace {
@@ -92,26 +92,30 @@ std::string one_line(const std::string& text) {
 
 namespace {
 
-// MuJoCo does not name the link or joint that a URDF repeats. Sets its name and line.
-void name_repeated(const std::string& path, Error& error) {
-  const auto text = read_file(path, ErrorKind::kConfig, kMaxTextBytes);
-  tinyxml2::XMLDocument document;
-  if (!text || !parse_xml(text->view(), document) || document.RootElement() == nullptr) return;
-  for (const char* kind : {"link", "joint"}) {
-    std::set<std::string> names;
-    for (const auto* element : children_of(*document.RootElement(), kind)) {
-      const char* name = element->Attribute("name");
-      if (name == nullptr || names.insert(name).second) continue;
-      error.location.line = static_cast<std::size_t>(element->GetLineNum());
-      error.message =
-          fmt::format("repeated name '{}': two elements of kind {} have it", name, kind);
-      error.hint = "give one of them another name";
-      return;
-    }
-  }
+constexpr const char* kRenameOne = "give one of them another name";
+
+std::string twice(const std::string& kind) {
+  return ": two elements of kind " + kind + " have it";
 }
 
 }  // namespace
+
+Result<void> check_urdf_names(const tinyxml2::XMLElement& robot, const std::string& file) {
+  for (const char* kind : {"link", "joint"}) {
+    std::set<std::string> names;
+    for (const auto* element : children_of(robot, kind)) {
+      const char* name = element->Attribute("name");
+      if (name == nullptr || names.insert(name).second) continue;
+      const auto line = static_cast<std::size_t>(std::max(0, element->GetLineNum()));
+      return failure({ErrorKind::kConfig,
+                      {file, line, 0},
+                      fmt::format("repeated name '{}'{}", name, twice(kind)),
+                      {},
+                      kRenameOne});
+    }
+  }
+  return {};
+}
 
 void remove_prefixes(std::string& line) {
   for (const std::string_view prefix : {"XML Error: ", "Error: ", "Schema violation: "}) {
@@ -142,10 +146,11 @@ Failure model_failure(const std::string& path, const std::string& text) {
   const std::size_t name_end = line.find("' in ");
   if (line.starts_with("repeated name '") && name_end != std::string::npos) {
     const std::string kind = line.substr(name_end + 5, line.find(';') - name_end - 5);
-    error.message = line.substr(0, name_end + 1) + ": two elements of kind " + kind + " have it";
-    error.hint = "give one of them another name";
+    const bool is_world = line.starts_with("repeated name 'world'") && kind == "body";
+    error.message = is_world ? "the name 'world' of a body is reserved for the world itself"
+                             : line.substr(0, name_end + 1) + twice(kind);
+    error.hint = is_world ? "give the body another name" : kRenameOne;
   }
-  if (line.starts_with("repeated URDF name")) name_repeated(path, error);
   return failure(std::move(error));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tinyxml2.h>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -39,6 +40,11 @@ class MessageGuard {
 
 /// Removes the kinds of errors in front of a MuJoCo message about a model.
 void remove_prefixes(std::string& line);
+
+/// Rejects a URDF in which two links or two joints have the same name: MuJoCo does not name the
+/// links, and accepts the joints.
+[[nodiscard]] Result<void> check_urdf_names(const tinyxml2::XMLElement& robot,
+                                            const std::string& file);
 
 /// Converts a MuJoCo message about a model to an error: extracts its line and column and replaces
 /// parser error codes with text.

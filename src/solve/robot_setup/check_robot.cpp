@@ -163,12 +163,18 @@ void Doctor::check_moved_joints() {
     }
   }
   const KinematicTree tree(robot_, bodies);
-  std::vector<std::string> still;
-  for (const int joint : robot_.output_joints()) {
+  const std::vector<int>& written = robot_.output_joints();
+  std::vector<std::string> still, left_out;
+  for (int joint = 0; joint < static_cast<int>(robot_.joints().size()); ++joint) {
     const bool moves = tree.link_of_joint(joint) != KinematicTree::kWorld;
-    if (!moves) still.push_back(robot_.joints()[joint].name);
+    const bool is_written = std::ranges::find(written, joint) != written.end();
+    if (moves != is_written) (moves ? left_out : still).push_back(robot_.joints()[joint].name);
   }
   if (!still.empty()) note("no task moves " + list_names(still, 8));
+  if (!left_out.empty()) {
+    note("\"joint_order\" in robot.json leaves out joints that the tasks move, so motions lack " +
+         list_names(left_out, 8));
+  }
 }
 
 void Doctor::check_sides_of_config() {

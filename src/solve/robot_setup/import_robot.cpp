@@ -10,6 +10,7 @@
 #include "retarget/text.h"
 #include "retarget/try.h"
 #include "robot/model/limits.h"
+#include "robot/model/urdf_extras.h"
 
 namespace retarget {
 namespace {
@@ -146,6 +147,10 @@ Result<ImportedRobot> import_robot(const std::string& path, const std::string& n
   profile.name = name;
   profile.fixed_base = fixed;
   profile.coupled_joints = std::move(loaded.couplings);
+  profile.speed_limits = urdf_facts(path).speeds;
+  std::erase_if(profile.speed_limits, [&](const auto& speed) {
+    return mj_name2id(loaded.model.get(), mjOBJ_JOINT, speed.first.c_str()) < 0;
+  });
   imported.robot = std::make_shared<Robot>(std::move(loaded.model), std::move(profile),
                                            std::move(loaded.warnings));
   return imported;

@@ -12,7 +12,6 @@
 #include "robot/anatomy/overlaps.h"
 #include "robot/anatomy/robot_hands.h"
 #include "robot/anatomy/shapes.h"
-#include "robot/model/urdf_extras.h"
 #include "solve/robot_setup/check_profile.h"
 #include "solve/robot_setup/check_robot.h"
 #include "solve/robot_setup/derive_config.h"
@@ -145,9 +144,7 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
     if (finding.fault) return config_failure(model_path, std::move(finding.text));
   }
   RETARGET_TRY_ASSIGN(const SelfTest test, run_self_test(robot, limbs, resolved));
-  std::map<std::string, double> speeds = urdf_facts(model_path).speeds;
-  std::erase_if(speeds, [&](const auto& speed) { return !robot.find_joint(speed.first); });
-
+  const std::map<std::string, double>& speeds = robot.profile().speed_limits;
   const std::string source = fs::path(model_path).filename().string();
   made.model = format_model(robot, name, shapes.shapes);
   made.profile = profile_text(robot, source, t_pose, shapes, contacts, speeds);

@@ -43,7 +43,9 @@ class ConfigReader {
     if (const Json* scales = find("human_scale_table")) {
       if (!scales->is_object()) faults_.add("\"human_scale_table\" must be an object of numbers");
       for (const auto& [bone, scale] : scales->items()) {
-        config.scales.emplace_back(bone, number(scale, "scale of \"" + bone + "\""));
+        const std::string what = "scale of \"" + bone + "\"";
+        config.scales.emplace_back(bone, number(scale, what));
+        if (is_number(scale) && scale <= 0.0) faults_.add(what + " must be more than 0");
       }
     }
     for (std::size_t table = 0; table < 2; ++table) {
