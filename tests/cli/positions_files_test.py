@@ -159,12 +159,13 @@ class PositionsFiles(PositionsTest):
         self.assert_fails(self.run_tool(sample("walk"), "g1", "-o", "out.csv", "--joint-names",
                                         "few.txt"), 2, "--joint-names applies only to joint positions")
 
-    def test_a_missing_rate_is_reported_after_faults_that_it_does_not_repair(self):
+    def test_a_missing_rate_is_reported_with_faults_that_it_does_not_repair(self):
         noise = numpy.random.default_rng(1).normal(size=(60, 22, 3))
-        for places, words in ((noise, "the skeleton is not human"),
-                              (self.smpl_places(), "no frame rate")):
+        for places, is_human in ((noise, False), (self.smpl_places(), True)):
             numpy.savez(self.folder / "odd.npz", joints=places, joint_names=SMPL)
-            self.assert_fails(self.run_tool("odd.npz", "g1", "-o", "out.csv"), 3, words)
+            result = self.run_tool("odd.npz", "g1", "-o", "out.csv")
+            self.assert_fails(result, 3, "no frame rate", "--source-fps")
+            self.assertEqual("the skeleton is not human" in " ".join(result.stderr.split()), not is_human)
 
     def test_kimodo_has_rotations(self):
         names, places = self.places_of(sample("walk"))

@@ -13,7 +13,18 @@
 namespace retarget {
 namespace {
 
-// In lower case without separators, in order of precedence.
+// In order of precedence.
+constexpr const char* kUsualPlaces[] = {"global_joint_positions",
+                                        "posed_joints",
+                                        "joint_positions",
+                                        "new_joints",
+                                        "joints3d",
+                                        "joints",
+                                        "positions",
+                                        "keypoints3d",
+                                        "keypoints_3d",
+                                        "motion"};
+// Other names, in lower case without separators, in order of precedence.
 constexpr std::string_view kOfHolosoma = "globaljointpositions";
 constexpr std::string_view kPlaces[] = {
     kOfHolosoma,
@@ -79,6 +90,10 @@ std::optional<double> step_along(const std::vector<double>& values, const Places
 }  // namespace
 
 std::string places_of(const ArraySource& file) {
+  // Usual names come first: other arrays beside them are often 2-D points or text.
+  for (const char* name : kUsualPlaces) {
+    if (file.has(name)) return name;
+  }
   std::string found;
   auto best = std::ranges::end(kPlaces);
   for (std::string& name : file.names()) {

@@ -193,35 +193,21 @@ Result<double> read_rate_array(const ArraySource& file, const char* name) {
                             std::string(kRateHint));
 }
 
-// Reads the seconds per frame. Arrays of other shapes, and implausible numbers next to a plausible
-// one, are something else.
+// Reads the seconds per frame of a file without a rate. Arrays of other shapes are something else.
 Result<std::optional<FrameRate>> read_frame_time(const ArraySource& file) {
-  std::optional<FrameRate> found;
-  const char* first = nullptr;
   for (const char* name : kTimeNames) {
     if (!file.has(name)) continue;
     const auto array = file.read(name);
     if (!array || !array->is_number() || array->element_count() != 1) continue;
     const double seconds = array->numbers().front();
     if (!(seconds > 0.0) || !is_plausible_rate(1.0 / seconds)) {
-      if (found) continue;
       return file.array_failure(name,
                                 fmt::format("expected seconds per frame, found {:g}", seconds),
                                 std::string(kRateHint));
     }
-    const FrameRate rate = frame_rate_from_frame_time(seconds);
-    if (found && !same_rate(rate, *found)) {
-      return file.array_failure(name,
-                                fmt::format("{:g} s per frame, which gives {} frames per second, "
-                                            "but {} gives {}",
-                                            seconds, to_text(rate), first, to_text(*found)),
-                                std::string(kRateHint));
-    }
-    if (found) continue;
-    found = rate;
-    first = name;
+    return frame_rate_from_frame_time(seconds);
   }
-  return found;
+  return std::nullopt;
 }
 
 }  // namespace

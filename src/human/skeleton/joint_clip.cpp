@@ -414,10 +414,14 @@ Result<Clip> clip_of_joints(const JointMotion& motion, const std::string& name) 
   make_sign_continuous(clip);
   clip.set_origin(std::move(origin));
   if (motion.no_rate) {
+    Error error = *motion.no_rate;
     RecogniseOptions options;
     options.partial = true;
-    TRY(recognise_skeleton(clip, {}, options));
-    return failure(*motion.no_rate);
+    // A bone map or a profile may still make it a human.
+    if (const auto human = recognise_skeleton(clip, {}, options); !human) {
+      error.hint += "; the joints are not recognised, either: " + human.error().message;
+    }
+    return failure(std::move(error));
   }
   return clip;
 }
