@@ -18,6 +18,16 @@ bool is_noisy(const TrackNoise& noise, double least, bool white, double frame_ti
   return frame_time < kLongestFrame && noise.exceeds(least) && has_white_noise({noise});
 }
 
+// Whether the path has a step that no body makes. Smoothing would spread it, and hide it from the
+// warning of jumps.
+bool has_jumps(const std::vector<Eigen::Vector3d>& path, double metres, double frame_time) {
+  constexpr double kFastest = 10.0;  // m/s
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (metres * (path[i] - path[i - 1]).norm() > kFastest * frame_time) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<RootJitter> smooth_root_jitter(Clip& clip, FrameRange part,
@@ -31,6 +41,7 @@ std::optional<RootJitter> smooth_root_jitter(Clip& clip, FrameRange part,
   }
   const TrackNoise noise = measure_noise(path);
   const double metres = calibration.metres_per_unit, frame_time = clip.rate().frame_time();
+  if (has_jumps(path, metres, frame_time)) return std::nullopt;
   if (!is_noisy(noise, kStep / metres, white, frame_time)) return std::nullopt;
   const auto cutoff = best_cutoff(path, NoisePower::of(noise, true), frame_time, kSlowest);
   if (!cutoff) return std::nullopt;

@@ -14,7 +14,7 @@ struct RootJitter {
 };
 
 /// Smooths the position of the body if its errors are independent. They shake both feet, so that
-/// none seems to stand. A drift, which is slower, remains.
+/// none seems to stand. A drift, which is slower, remains. A path with jumps stays unchanged.
 /// @param white  whether the joints had independent errors, too; weaker evidence then suffices.
 /// @return nothing if the clip is unchanged
 std::optional<RootJitter> smooth_root_jitter(Clip& clip, FrameRange part,
