@@ -57,13 +57,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kKinds = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 21> kKinds = {{
     {"jumps", "jump"},
     {"root_jumps", "jump"},
     {"foot_pen_1cm_pct", "penetration"},
     {"body_pen_1cm_pct", "penetration"},
     {"contact_slip_mean", "slip"},
     {"stance_slip_mean", "slip"},
+    {"support_slip_mean", "slip"},
+    {"self_crossing_max_cm", "self-collision"},
     {"self_all_1cm_pct", "self-collision"},
     {"limit_pct", "limit"},
     {"at_limit_pct", "limit"},
@@ -71,6 +73,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kKinds =
     {"trunk_lean_error_deg", "lean"},
     {"speed_limit_pct", "speed"},
     {"float_planted_pct", "floating"},
+    {"hover_pct", "floating"},
+    {"missing_surface_pct", "floating"},
+    {"support_height_p95_cm", "floating"},
     {"scene_pen_1cm_pct", "scene"},
     {"scene_contact_kept_pct", "scene"},
     {"scene_slip_mean", "scene"},

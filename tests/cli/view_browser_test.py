@@ -136,15 +136,22 @@ class InABrowser(PagesInABrowser):
         header = data_of((self.pages / "two.html").read_text())[0]
         faults = [fault for motion in header["motions"] for fault in motion["report"]["faults"]]
         self.assertEqual(self.run_script("document.querySelectorAll('.mark').length"), len(faults))
-        floating = next(fault for fault in faults if fault["kind"] == "floating")
+        # The last mark lies on top of those that it overlaps.
+        floating = [fault for fault in faults if fault["kind"] == "floating"][-1]
         x, y = self.run_script(
-            "(() => { const box = document.querySelector('.mark.floating').getBoundingClientRect();"
+            "(() => { const mark = [...document.querySelectorAll('.mark.floating')].at(-1);"
+            "const box = mark.getBoundingClientRect();"
             "return [box.x + box.width / 2, box.y + box.height / 2]; })()"
         )
         self.browser.click(x, y)
         self.assertAlmostEqual(self.time(), floating["worst"] / 30.0)
         # Also from the list.
         self.run_script("document.getElementById('tab-faults').click()")
+        listed = self.run_script(
+            "[...document.querySelectorAll('.list button')].map((button) => button.innerText)"
+        )
+        for text, fault in zip(listed, faults, strict=True):
+            self.assertIn(fault["label"], text)
         self.run_script("[...document.querySelectorAll('.list button')].at(-1).click()")
         self.assertAlmostEqual(self.time(), faults[-1]["worst"] / 30.0)
         self.assert_quiet("two.html")

@@ -52,7 +52,7 @@ export class FaultsPanel {
           { class: 'where' },
           fault.where || fault.label,
           el('small', {
-            text: `${KINDS.get(fault.kind)} \u00b7 ${frames}${this.many ? ` \u00b7 ${motion.label}` : ''}`,
+            text: `${fault.where ? fault.label : KINDS.get(fault.kind)} \u00b7 ${frames}${this.many ? ` \u00b7 ${motion.label}` : ''}`,
           }),
         ),
         el(
