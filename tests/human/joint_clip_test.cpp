@@ -327,6 +327,33 @@ TEST(JointClipTest, AddsATrunkToKeypoints) {
   EXPECT_TRUE(clip.skeleton().find("chest").has_value());
 }
 
+// A foot that stands would otherwise tilt with its shin, and its toes would be below the floor.
+TEST(JointClipTest, FeetWithoutToesAreLevelUnlessTheBodyKneels) {
+  std::vector<Figure> figures = moving();
+  for (int i = 0; i < 60; ++i) figures[i].left_knee = 0.1 + 0.045 * i;
+  const JointMotion body = motion_of(figures);
+  JointMotion motion;
+  motion.frame_count = body.frame_count;
+  motion.joint_count = 20;
+  const std::vector<std::string> names = joint_orders().front().names();
+  for (int joint = 0; joint < 22; ++joint) {
+    if (joint != 10 && joint != 11) motion.names.push_back(names[joint]);
+  }
+  for (int frame = 0; frame < body.frame_count; ++frame) {
+    for (int joint = 0; joint < 22; ++joint) {
+      if (joint != 10 && joint != 11) motion.positions.push_back(body.position(frame, joint));
+    }
+  }
+  const Clip clip = clip_of(motion);
+  const int foot = joint_of(clip, "left_ankle");
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const Vector3d up = world_poses(clip, frame)[foot].rotation * Vector3d::UnitZ();
+    const double tilt = std::acos(std::min(1.0, up.z())), shin = 0.5 * figures[frame].left_knee;
+    if (shin < 0.55) EXPECT_LT(tilt, 0.02) << shin;
+    if (shin > 1.25) EXPECT_GT(tilt, 1.0);
+  }
+}
+
 // The tree of joints with these names that lie on a line.
 std::optional<JointTree> tree_of(const std::vector<std::string>& names) {
   JointMotion motion;

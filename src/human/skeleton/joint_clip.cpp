@@ -141,7 +141,9 @@ class RotationMaker {
     }
     for (const Side side : kSides) {
       turn_hand(side, human_from_file, world);
-      if (calibration) bend_toes(side, raw.rate(), human_from_file, world);
+      if (!calibration) continue;
+      level_foot_without_toes(side, human_from_file, world);
+      bend_toes(side, raw.rate(), human_from_file, world);
     }
     return world;
   }
@@ -246,6 +248,28 @@ class RotationMaker {
           world[joint][frame] = world[hand][frame];
         }
       }
+    }
+  }
+
+  // Removes the tilt that such a foot has from its shin. Feet below shins that are not far from the
+  // vertical are level in most stances; the feet of kneeling and lying bodies turn with their shins.
+  void level_foot_without_toes(Side side, const Matrix3d& human_from_file,
+                               WorldRotations& world) const {
+    constexpr double kStands = 0.6, kLies = 1.05;  // Tilt of the shin, rad.
+    const Bone bone = side_bone(side, kFoot);
+    const int foot = tree_.joint_of_bone[bone];
+    if (foot < 0 || tree_.joint_of_bone[side_bone(side, kToe)] >= 0) return;
+    const Vector3d up = Vector3d::UnitZ();
+    for (Matrix3d& rotation : world[foot]) {
+      // Relative to the T-pose, in the axes of the canonical human.
+      const Matrix3d turn = human_from_file * rotation * human_from_file.transpose();
+      const Vector3d tilted = turn * up;
+      const double tilt = portable::atan2(up.cross(tilted).norm(), up.dot(tilted));
+      const double kept = std::clamp((tilt - kStands) / (kLies - kStands), 0.0, 1.0);
+      if (kept == 1.0 || tilt == 0.0) continue;
+      const Vector3d axis = up.cross(tilted).normalized();
+      rotation = human_from_file.transpose() * exp_so3((kept - 1.0) * tilt * axis) *
+                 human_from_file * rotation;
     }
   }
 
