@@ -345,6 +345,15 @@ class Sockets(LiveTest):
         self.assertRegex(messages, r"stream +no frame of the stream is usable: 10 of 10 packets malformed, the first "
                          r"one: expected messages such as /VMC/Ext/Bone/Pos, found /tracking/trackers/1/position")
 
+    def test_a_run_that_ends_without_a_usable_frame_fails(self):
+        process, port = self.listen("--silent", "0.5", extras="?format=lines")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for _ in range(3):
+                sender.sendto(b'{"hello": 1}\n', ("127.0.0.1", port))
+        _, messages = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 3, messages)
+        self.assertIn("no frame of the stream is usable: 3 of 3 packets malformed", unwrapped(messages))
+
     def test_the_format_that_packets_have_is_named(self):
         process, port = self.listen(extras="?format=smplx")
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:

@@ -119,7 +119,6 @@ class Server {
   std::condition_variable earlier_;     // The next robot frame may be due earlier.
   std::int64_t latest_ = 0;             // Time of the last event, microseconds.
   std::optional<Result<void>> failed_;  // Error of the second thread.
-  bool has_ended_ = false;              // The input has no more bytes.
   bool lack_reported_ = false;
 };
 
@@ -314,10 +313,7 @@ Result<void> Server::receive() {
     }
     const ByteSource::Event event = source.wait(kWait);
     now = watch_.now();
-    if (event == ByteSource::Event::kEnd) {
-      has_ended_ = true;
-      break;
-    }
+    if (event == ByteSource::Event::kEnd) break;
     if (event == ByteSource::Event::kPacket) {
       heard = now;
       RETARGET_TRY(take_packet(source.packet(), now));
@@ -376,7 +372,8 @@ Result<ServeSummary> Server::run() {
   const bool is_pipe = from_.transport == Transport::kStdin;
   const auto used = pipeline_->check_used(is_pipe ? "stdin" : from_.text(),
                                           (*find_stream_format(from_.format))->name);
-  if (!used && has_ended_) return failure(used.error());
+  const bool is_interrupted = control_.is_stopped && control_.is_stopped();
+  if (!used && !is_interrupted) return failure(used.error());
   if (!used) summary_.unused = used.error();
   summary_.outputs = outputs_.statistics();
   summary_.live = pipeline_->statistics();
