@@ -107,11 +107,15 @@ nb::str robots_json(const nb::object& data_dir) {
 nb::str robot_json(const nb::object& robot, const nb::object& data_dir) {
   const std::string name = bytes_of_path(robot, "robot");
   const std::string chosen = bytes_of_folder(data_dir);
-  return text_of(without_gil([&]() -> Result<std::string> {
+  std::vector<Warning> warnings;
+  const std::string json = without_gil([&]() -> Result<std::string> {
     RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
     RETARGET_TRY_ASSIGN(const RobotSources sources, find_robot_sources(name, folder));
+    if (!sources.warning.empty()) warnings.push_back({0, 0, sources.warning});
     return describe_robot(sources, TextForm::kJson);
-  }));
+  });
+  warn(warnings, name);
+  return text_of(json);
 }
 
 }  // namespace

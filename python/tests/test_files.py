@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -129,6 +130,15 @@ def test_robots(command, g1: retarget.Robot) -> None:
     assert [joint["name"] for joint in facts["joints"]] == g1.joint_names
     with pytest.raises(retarget.ConfigError, match="did you mean"):
         retarget.robot_facts("unitre_g1")
+
+
+def test_facts_of_a_name_of_two_robots_are_a_warning(data: Path, tmp_path: Path,
+                                                     monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(data.parent / "robots/unitree_h1", tmp_path / "g1")
+    monkeypatch.chdir(tmp_path)
+    with pytest.warns(retarget.RetargetWarning, match="not the robot unitree_g1"):
+        facts = retarget.robot_facts("g1")
+    assert len(facts["joints"]) == 19
 
 
 def test_a_page_is_the_command_s(g1: retarget.Robot, data: Path, tmp_path: Path, command) -> None:

@@ -306,6 +306,22 @@ def test_a_clip_that_changes_after_its_hash_is_an_error(kind: str, data: Path, t
     assert not (tmp_path / "set").exists()
 
 
+def test_a_clip_that_is_copied_while_it_is_read_is_unchanged(data: Path, tmp_path: Path,
+                                                            monkeypatch: pytest.MonkeyPatch) -> None:
+    need("pyarrow")
+    found = packs.clips_of(batch_of_wave(data, tmp_path))
+    load = retarget.load_motion
+
+    def copy_and_load(file: Path, *args: object, **options: object) -> retarget.Motion:
+        copy = file.with_suffix(".new")
+        copy.write_bytes(file.read_bytes())
+        copy.replace(file)
+        return load(file, *args, **options)
+
+    monkeypatch.setattr(retarget, "load_motion", copy_and_load)
+    assert packs.write_lerobot(found, tmp_path / "set", robot="g1").is_dir()
+
+
 @pytest.mark.parametrize("kind", ["lerobot", "motion_v1", "webdataset"])
 def test_a_changed_clip_is_an_error(kind: str, data: Path, tmp_path: Path) -> None:
     write = writer(kind)

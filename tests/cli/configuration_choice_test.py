@@ -107,6 +107,24 @@ class ConfigurationChoice(ToolTest):
         (folder / "ik.json").unlink()
         self.assertEqual(self.run_with(self.other, robot=folder)[1], PUBLISHED)
 
+    def test_the_name_of_a_model_alone_selects_only_a_fitting_one(self):
+        self.run_with(sample("wave"))
+        model = self.folder / "mine/unitree_g1.xml"
+        model.parent.mkdir()
+        shutil.copy(SOURCE / "robots/unitree_g1/model.xml", model)
+        evaluate = ("evaluate", "out.csv", "--robot-xml", model, "--bvh", sample("wave"), "--gate", "none")
+        result = self.run_tool(*evaluate)
+        self.assert_done(result)
+        said = " ".join(result.stderr.split())
+        self.assertIn("lafan1_to_unitree_g1.json, was chosen by the name of its model; --ik-config", said)
+        result = self.run_tool(*evaluate, "--ik-config", SOURCE / PUBLISHED)
+        self.assert_done(result)
+        self.assertNotIn("by the name", result.stderr)
+        model.write_text(model.read_text().replace("left_knee_link", "l_knee"))
+        result = self.run_tool(*evaluate)
+        self.assert_fails(result, 4, 'no retargeting configuration for the robot "unitree_g1"',
+                          "the published one of that name has other bodies", "left_knee_link", "--ik-config")
+
     def test_missing_files_are_errors(self):
         self.assert_fails(self.retarget("--ik-config", "published", robot="unitree_h1"), 4,
                           "no published retargeting configuration", "unitree_h1")

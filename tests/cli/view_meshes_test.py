@@ -288,7 +288,8 @@ class Meshes(ToolTest):
         (self.folder / "bodies/upper.stl").unlink()
         result = self.run_tool("view", "a.csv", "--robot-xml", "maker/model.xml", "--source-quat", "xyzw",
                                "--meshes", "bodies", "-o", "bad.html")
-        self.assert_fails(result, 3, "bodies")
+        self.assert_fails(result, 3, "bodies/base.stl: error: expected three")
+        self.assertNotIn("primitives", result.stderr)
 
     def test_files_outside_the_package_are_not_opened(self):
         self.make_maker()

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <sstream>
 
 #include "formats/containers/npz.h"
+#include "formats/containers/pickle.h"
 #include "retarget/text.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
@@ -23,6 +25,7 @@ namespace {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kSource = RETARGET_SOURCE_DIR;
 
@@ -199,6 +202,14 @@ TEST(FormatRegistry, BelievesTheNameOfAnUnknownContent) {
   const auto robot = parse_robot_motion("a text\nb\n", load_g1(), "walk.npz", {});
   ASSERT_FALSE(robot);
   EXPECT_EQ(robot.error().message, "not an NPZ file: no ZIP header");
+  // A table under the name of an archive keeps the position of its fault.
+  for (const char* header : {"", "a,b,c\n"}) {
+    const auto table =
+        parse_robot_motion(header + std::string("1,2,3\n1,2,x\n"), load_g1(), "walk.npz", {});
+    ASSERT_FALSE(table);
+    EXPECT_EQ(table.error().location.line, *header == 0 ? 2U : 3U);
+    EXPECT_EQ(table.error().location.column, 5U);
+  }
   // All binary formats of the table have a header.
   for (const Format& format : all_formats()) {
     if (format.family.reads(FileKind::kOther)) continue;
@@ -221,6 +232,34 @@ TEST(FormatRegistry, OptionsForOtherFormatsAreRejected) {
   }
   for (const SourceOptions* source : {&body, &names}) {
     EXPECT_EQ(read_human(samples.at("fbx"), *source).error().kind, ErrorKind::kUsage);
+  }
+  // The type of a file is reported first.
+  for (const auto& [name, bytes, words] :
+       std::vector<std::array<std::string, 3>>{{"walk.npz", "a text\n", "not an NPZ file"},
+                                               {"walk.npz", "<!doctype html>", "a web page"},
+                                               {"walk.bvh", "HIERARCHY\nROOT", "expected"}}) {
+    const auto read = read_human_file(bytes, name, {body, false, std::size_t{1} << 30U});
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().kind, ErrorKind::kInput) << name;
+    EXPECT_THAT(read.error().message, HasSubstr(words));
+  }
+}
+
+TEST(FormatRegistry, JointPositionsAreNotTheJointsOfARobot) {
+  std::vector<double> numbers(4 * 66, 0.1);
+  numbers[70] = std::nan("");
+  NpzWriter npz;
+  npz.add("joint_positions", float64_array(numbers, {4, 22, 3}));
+  PickleWriter pickle;
+  pickle.begin_dict();
+  pickle.text("joint_positions");
+  pickle.array(float64_array(numbers, {4, 22, 3}));
+  pickle.end_dict();
+  for (const std::string& bytes : {*npz.finish(), pickle.finish()}) {
+    const auto human = read_human(bytes);
+    ASSERT_FALSE(human);
+    EXPECT_THAT(human.error().message, HasSubstr("NaN in frame 1"));
+    EXPECT_THAT(human.error().hint, Not(HasSubstr("robot")));
   }
 }
 

@@ -23,6 +23,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::Not;
 using ::testing::SizeIs;
 
 constexpr std::size_t kFrames = 4;
@@ -273,6 +274,41 @@ TEST(ReadSmpl, ReadsEveryFormOfTheFrameRate) {
   EXPECT_EQ(amass_motion(Amass().with("fps", number(120))).clip.rate(), (FrameRate{120, 1}));
 }
 
+TEST(ReadSmpl, RoundedRatesAreOneRate) {
+  const auto with_rates = [](const std::string& names, double fps, double seconds) {
+    return amass_motion(Amass().with("mocap_framerate", number(fps)).with(names, number(seconds)));
+  };
+  const auto warned = [](const SmplMotion& motion) {
+    return motion.warnings.empty() ? std::string() : motion.warnings.front().message;
+  };
+  const double four_bytes = static_cast<float>(0.0333);
+  for (const double seconds : {0.033, 0.0333, 0.03, 0.033333, 1.0 / 30.0, four_bytes}) {
+    const SmplMotion motion = with_rates("dt", 30, seconds);
+    EXPECT_EQ(motion.clip.rate(), (FrameRate{30, 1})) << seconds;
+    EXPECT_THAT(warned(motion), Not(HasSubstr("ignored"))) << seconds;
+  }
+  for (const double seconds : {0.005, 1.0 / 60.0, 0.035, 0.032}) {
+    const SmplMotion motion = with_rates("frame_time", 30, seconds);
+    EXPECT_EQ(motion.clip.rate(), (FrameRate{30, 1})) << seconds;
+    EXPECT_THAT(warned(motion), HasSubstr("frame_time is ignored: it gives ")) << seconds;
+    EXPECT_THAT(warned(motion), HasSubstr(" frames per second, mocap_framerate 30")) << seconds;
+  }
+  // The number with more digits is the rate.
+  EXPECT_EQ(with_rates("fps", 30, 29.97).clip.rate(), (FrameRate{2997, 100}));
+  const auto times = [&](double first, double second) {
+    return amass_motion(Amass()
+                            .without("mocap_framerate")
+                            .with("frame_time", number(first))
+                            .with("dt", number(second)));
+  };
+  EXPECT_EQ(times(0.033, 1.0 / 30.0).clip.rate(), (FrameRate{30, 1}));
+  EXPECT_THAT(warned(times(0.033, 1.0 / 30.0)), Not(HasSubstr("ignored")));
+  EXPECT_EQ(times(0.02, 0.005).clip.rate(), (FrameRate{50, 1}));
+  EXPECT_THAT(warned(times(0.02, 0.005)),
+              HasSubstr("dt is ignored: it gives 200 frames per second, frame_time 50"));
+  EXPECT_EQ(times(33.3, 0.02).clip.rate(), (FrameRate{50, 1})) << "not in seconds";
+}
+
 TEST(ReadSmpl, RequiresARateOrOverride) {
   ArrayReadOptions given;
   given.source_fps = 50.0;
@@ -286,9 +322,8 @@ TEST(ReadSmpl, RequiresARateOrOverride) {
   both(Amass().with("mocap_framerate", number(std::nan(""))), "above 0, found");
   both(Amass().with("mocap_framerate", npy_text("30")), "expected one number, found text");
   both(Amass().with("mocap_framerate", npy_doubles({2}, {30, 30})), "found numbers of shape (2,)");
+  both(Amass().with("fps", number(119)), "119 frames per second, but mocap_framerate says 120");
   both(Amass().with("fps", number(30)), "30 frames per second, but mocap_framerate says 120");
-  both(Amass().with("dt", number(1.0 / 60.0)),
-       "mocap_framerate says 120 frames per second, but the time per frame gives 60");
   EXPECT_EQ(amass_motion(Amass(), given).clip.rate(), (FrameRate{50, 1}));
 
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL}) {

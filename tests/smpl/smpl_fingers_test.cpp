@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -119,6 +120,39 @@ TEST(SmplFingersTest, MayHaveSeparateArrays) {
                         "stay at rest");
     });
     EXPECT_TRUE(is_told);
+  }
+}
+
+TEST(SmplFingersTest, OfAHandDoNotDependOnTheOtherHand) {
+  const std::vector<double> zeros(kHandFrames * 45);
+  const std::vector<double> right = Numbers(8).list(kHandFrames * 45);
+  std::vector<double> expected(kHandFrames * 90);
+  for (std::size_t i = 0; i < right.size(); ++i) expected[i / 45 * 90 + 45 + i % 45] = right[i];
+  std::vector<double> nan = right;
+  nan[7] = std::nan("");
+  const std::pair<std::string, const char*> others[] = {
+      {npy_doubles({kHandFrames, 45}, zeros), nullptr},
+      {npy_doubles({kHandFrames, 12}, std::vector<double>(kHandFrames * 12)), "found (3, 12)"},
+      {npy_doubles({kHandFrames, 12}, Numbers(9).list(kHandFrames * 12)), "found (3, 12)"},
+      {npy_doubles({1, 45}, std::vector<double>(45)), "found (1, 45)"},
+      {npy_doubles({kHandFrames, 45}, nan), "has values that are not rotations"},
+      {npy("|O", "()", "never read"), "Python object"}};
+  for (const auto& [left, fault] : others) {
+    const SmplMotion motion = motion_with_hands(
+        file_of({{"poses", npy_doubles({kHandFrames, 72}, std::vector<double>(kHandFrames * 72))},
+                 {"left_hand_pose", left},
+                 {"right_hand_pose", npy_doubles({kHandFrames, 45}, right)}}));
+    expect_fingers(motion, expected);
+    std::string ignored;
+    for (const Warning& warning : motion.warnings) {
+      if (warning.message.starts_with("fingers ignored")) ignored += warning.message;
+    }
+    if (fault == nullptr) {
+      EXPECT_EQ(ignored, "");
+    } else {
+      EXPECT_NE(ignored.find("left_hand_pose"), std::string::npos) << ignored;
+      EXPECT_NE(ignored.find(fault), std::string::npos) << ignored;
+    }
   }
 }
 

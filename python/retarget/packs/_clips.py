@@ -49,14 +49,18 @@ class BatchClips(dict[str, Path]):
         self.left_out: dict[str, str] = {}
         """Clips of other robots than the one given to clips_of(), and these robots, by name."""
 
+    def is_unchanged(self, name: str, data: bytes) -> bool:
+        """Whether the bytes of a clip's file have the recorded hash, or there is none."""
+        recorded = self.hashes.get(name)
+        return not recorded or recorded == f"sha256:{hashlib.sha256(data).hexdigest()}"
+
     def check_unchanged(self, name: str, file: StrPath, data: bytes) -> None:
         """Compares the bytes of a clip's file with the recorded hash, if there is one.
 
         Raises:
             InputError: the file has changed since the batch.
         """
-        recorded = self.hashes.get(name)
-        if recorded and recorded != f"sha256:{hashlib.sha256(data).hexdigest()}":
+        if not self.is_unchanged(name, data):
             file = os.fspath(file)
             raise InputError(f"{file}: has changed since the batch wrote it; run the batch again, "
                              "or give the files as a dictionary", file=file)
@@ -320,10 +324,17 @@ class MotionReader:
             options["source_dof"] = variant
         motion = retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
                                       **options)
-        # The hash is of other bytes than the motion's if the file was replaced in between.
-        if is_hashed and _version(file) != before:
+        # The hash is of other bytes than the motion's if the file was replaced in between. A copy of
+        # the same bytes is no change.
+        if is_hashed and _version(file) != before and not self._has_recorded_bytes(name, file):
             raise InputError(f"{file}: changed while it was read", file=os.fspath(source))
         return motion
+
+    def _has_recorded_bytes(self, name: str, file: Path) -> bool:
+        try:
+            return self._batch.is_unchanged(name, file.read_bytes())
+        except OSError:
+            return False
 
     def _take_recorded_variant(self) -> None:
         """Replaces a robot given by name by its variant that all files have."""

@@ -177,6 +177,13 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   const ResolvedConfig& config = robot.config_for(plan.human);
   plan.config = config;
   plan.is_config_of_others = &config != &robot.config;
+  if (is_config_by_name(config.file, plan.robot, options.solve)) {
+    plan.clip_doubts.push_back(
+        {0, 0,
+         fmt::format("the robot's configuration, {}, was chosen by the name of its model; " OPTION(
+                         "ik-config") " FILE selects another one",
+                     config.file)});
+  }
   TRY(choose_frames(clip, options, plan));
   TRY(load_surroundings(clip, plan));
   // vary_scene() continues these lines.

@@ -132,6 +132,27 @@ Result<void> check_has_contacts(const Robot& robot) {
                        "omit " OPTION("contacts") " and " OPTION("contact-edits"));
 }
 
+bool is_config_by_name(const std::string& config, const LoadedRobot& robot,
+                       const SolveOptions& solve) {
+  return robot.profile.empty() && solve.ik_config.empty() &&
+         fs::path(config).parent_path() == fs::path(robot.data_folder) / "configs";
+}
+
+namespace {
+
+// The error for a published configuration with the name of a robot, but with other bodies.
+Failure other_robot(Error error, const Robot& robot) {
+  error.message = fmt::format(
+      "no retargeting configuration for the robot \"{}\": the published one of that name has other "
+      "bodies",
+      robot.name());
+  error.hint = OPTION("ik-config") " FILE uses your own retargeting configuration; retarget robots "
+               "add creates a robot with one";
+  return failure(std::move(error));
+}
+
+}  // namespace
+
 Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   TRY(check_solving_options(options));
   const Robot& robot = *loaded.robot;
@@ -151,7 +172,11 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   TRY_ASSIGN(const ConfigFiles files,
              find_configs(solve.ik_config, solve.method, fs::path(loaded.model).parent_path(),
                           loaded.data_folder, fs::path(robot.name()).filename().string()));
-  TRY_ASSIGN(setup.config, load_config(files.of_lafan1, robot));
+  auto config = load_config(files.of_lafan1, robot);
+  if (!config && is_config_by_name(files.of_lafan1, loaded, solve)) {
+    return other_robot(config.error(), robot);
+  }
+  TRY_ASSIGN(setup.config, std::move(config));
   if (!files.of_others.empty()) {
     TRY_ASSIGN(setup.config_of_others, load_config(files.of_others, robot));
   }

@@ -11,6 +11,11 @@
 
 namespace retarget {
 
+/// Whether only the name of a model without a profile connects it with its published configuration,
+/// which may be that of another robot.
+[[nodiscard]] bool is_config_by_name(const std::string& config, const LoadedRobot& robot,
+                                     const SolveOptions& solve);
+
 /// The travel that is given or that the preset chooses; empty: none.
 [[nodiscard]] std::string chosen_travel(const SolveOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <system_error>
@@ -102,16 +103,44 @@ Result<void> check_options(const std::string& file, const SourceOptions& options
   return {};
 }
 
+bool is_row_of_numbers(std::string_view line) {
+  constexpr auto kNone = std::string_view::npos;
+  return line.find_first_of("0123456789") != kNone &&
+         line.find_first_not_of("0123456789+-.eE, \t;\r") == kNone;
+}
+
+// Whether a text is a table of numbers, perhaps below a header.
+bool is_table(std::string_view bytes) {
+  const std::string_view first = take_until(bytes, '\n');
+  return is_row_of_numbers(first) || is_row_of_numbers(take_until(bytes, '\n'));
+}
+
+// Whether the bytes of an archive or a pickle name an array. `joint_positions` is not `joint_pos`.
+bool names_array(std::string_view bytes, std::string_view name) {
+  const auto is_of_word = [](char c) {
+    return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0;
+  };
+  const char length = static_cast<char>(name.size());
+  for (std::size_t at = bytes.find(name); at != std::string_view::npos;
+       at = bytes.find(name, at + 1)) {
+    const std::string_view rest = bytes.substr(at + name.size());
+    const bool is_ended = rest.empty() || !is_of_word(rest.front());
+    // An instruction of the pickle, which may be a letter, follows a text and its length.
+    const std::string_view before = bytes.substr(0, at);
+    if (is_ended || before.ends_with(length) ||
+        before.ends_with(std::string({length, '\0', '\0', '\0'}))) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // Whether content that is not a human motion may be a robot's: a table of numbers, or arrays with
 // the names of one of its formats.
 bool may_be_of_robot(const std::string& name, std::string_view bytes) {
-  const std::string_view start = bytes.substr(0, bytes.find('\n'));
-  constexpr auto kNone = std::string_view::npos;
-  const bool is_table = ending_of(name) == format_ending(MotionFormat::kCsv) ||
-                        (start.find_first_of("0123456789") != kNone &&
-                         start.find_first_not_of("0123456789+-.eE, \t;\r") == kNone);
-  return is_table || std::ranges::any_of(all_formats(), [&](const Format& format) {
-           return !format.array.empty() && bytes.find(format.array) != kNone;
+  return ending_of(name) == format_ending(MotionFormat::kCsv) || is_table(bytes) ||
+         std::ranges::any_of(all_formats(), [&](const Format& format) {
+           return !format.array.empty() && names_array(bytes, format.array);
          });
 }
 
@@ -140,7 +169,8 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
     if (!raw && type.kind == FileKind::kForeign && !bytes.empty()) {
       return input_failure(file, "the file is " + std::string(type.what), std::string(type.hint));
     }
-    if (!raw && raw.error().kind == ErrorKind::kInput) {
+    // The position in a table explains more than the name.
+    if (!raw && raw.error().kind == ErrorKind::kInput && !is_table(bytes)) {
       if (auto other = other_than_named(file, type.kind)) return *std::move(other);
     }
     return raw;
@@ -251,8 +281,11 @@ Result<HumanFile> read_human_file(std::string_view bytes, const std::string& fil
   const Format& format = *std::ranges::find_if(formats, [kind](const Format& row) {
     return row.family.read_human != nullptr && row.family.reads(kind);
   });
-  TRY(check_options(file, options.source, format));
   auto read = format.family.read_human(bytes, file, options);
+  // A fault of the file explains more than an option that does not apply to its type.
+  if (read || read.error().kind != ErrorKind::kInput) {
+    TRY(check_options(file, options.source, format));
+  }
   if (!read && read.error().kind == ErrorKind::kInput && !options.source.smpl) {
     if (auto other = other_than_named(file, type)) read = *std::move(other);
   }

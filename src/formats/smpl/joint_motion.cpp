@@ -81,15 +81,15 @@ class PlacesReader {
     }
     layout_ = *layout;
     values_ = array_.numbers();
-    const auto settled = is_kimodo(file_) ? layout : settle_people(layout_, values_);
+    const auto settled = is_kimodo(file_) ? layout : settle_people(layout_, values_, chosen());
     if (!settled) {
       return file_.array_failure(
           name_,
           fmt::format("its shape {} may be {} motions of {} frames, or {} frames of {} people",
                       shape_text(array_.shape), layout_.samples, layout_.frames, layout_.samples,
                       layout_.frames),
-          "save one person as (frames, joints, 3): numpy's array[:, 0] is the first of several "
-          "people in each frame");
+          "save one as (frames, joints, 3): numpy's array[0] is the first motion, array[:, 0] the "
+          "first of several people in each frame");
     }
     layout_ = *settled;
     if (array_.element_count() == 0) {
@@ -120,24 +120,44 @@ class PlacesReader {
     return "";
   }
 
+  // The number that the user gave, from 1; 0: none.
+  [[nodiscard]] std::size_t chosen() const {
+    return parse_number<std::size_t>(options_.take).value_or(0);
+  }
+
   Result<void> choose_sample() {
-    const auto several = [this](const std::string& what) {
-      return file_.file_failure(
-          layout_.are_people ? fmt::format("{} {} people", what, layout_.samples)
-                             : fmt::format("{} {}", what, count_text(layout_.samples, "motion")),
-          fmt::format(OPTION("take") " N chooses one, 1 to {}", layout_.samples));
-    };
+    const std::size_t samples = layout_.samples, number = chosen();
+    const char* noun = layout_.are_people ? "person" : "motion";
+    const std::string count = layout_.are_people && samples != 1 ? fmt::format("{} people", samples)
+                                                                 : count_text(samples, noun);
     if (options_.take.empty()) {
-      if (layout_.samples > 1) return several("the file holds");
-      return {};
+      if (samples == 1) return {};
+      return file_.file_failure("the file holds " + count, hint_of_take());
     }
-    const auto number = parse_number<long long>(options_.take);
-    if (!number || *number < 1 || static_cast<std::size_t>(*number) > layout_.samples) {
-      return several(fmt::format("no {} \"{}\": the file holds",
-                                 layout_.are_people ? "person" : "motion", options_.take));
+    if (number < 1 || number > samples) {
+      return file_.file_failure(
+          fmt::format("no {} \"{}\": the file holds {}", noun, options_.take, count),
+          hint_of_take());
     }
-    sample_ = static_cast<std::size_t>(*number) - 1;
-    return {};
+    sample_ = number - 1;
+    if (samples == 1 || !is_absent_sample(layout_, sample_, values_)) return {};
+    return file_.file_failure(
+        fmt::format("{} {} is absent: NaN or zeros in all frames", noun, number), hint_of_take());
+  }
+
+  [[nodiscard]] std::string hint_of_take() const {
+    std::vector<std::string> present;
+    for (std::size_t sample = 0; sample < layout_.samples; ++sample) {
+      if (!is_absent_sample(layout_, sample, values_)) {
+        present.push_back(std::to_string(sample + 1));
+      }
+    }
+    const std::size_t absent = layout_.samples - present.size();
+    if (absent == 0 || present.empty()) {
+      return fmt::format(OPTION("take") " N chooses one, 1 to {}", layout_.samples);
+    }
+    return fmt::format(OPTION("take") " N chooses one: {}; the other{} absent in all frames",
+                       list_names(present, 8), absent == 1 ? " is" : "s are");
   }
 
   Result<void> check_size() const {
@@ -283,8 +303,9 @@ class PlacesReader {
 
   Result<void> read_rate() {
     TRY_ASSIGN(const auto stated, read_motion_rate(file_, options_.source_fps));
-    if (stated) {
-      motion_.rate = *stated;
+    if (stated.rate) {
+      motion_.rate = *stated.rate;
+      for (const Warning& warning : stated.warnings) motion_.warnings.push_back(warning);
       return {};
     }
     const auto usual = usual_rate();

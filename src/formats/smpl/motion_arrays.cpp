@@ -209,44 +209,61 @@ class MotionReader {
   }
 
   // Reads finger rotations from the whole poses or from separate arrays. Fingers are optional:
-  // malformed ones are ignored without rejecting the motion.
+  // malformed ones are ignored without rejecting the motion or the other hand.
   void read_hands() {
     const std::vector<HandPart> parts = hand_parts();
-    if (parts.empty()) return;
     const auto frames = static_cast<std::size_t>(arrays_.frame_count);
     std::vector<Eigen::Vector3d> rotations(frames * kSmplHandJointCount, Eigen::Vector3d::Zero());
+    std::vector<std::string> faults;
+    bool are_faults_zero = true;
     for (const HandPart& part : parts) {
       const auto array = file_.read(part.name);
-      const std::size_t width = array ? width_of(array->shape) : 0;
-      // Principal components are not rotations.
-      const bool is_whole = part.first > 0 || width == part.count;
-      if (!is_whole || width < part.first + part.count || !array->is_number() ||
-          array->shape[0] != frames) {
-        if (array && !is_zero(*array)) {
-          warn(fmt::format("fingers ignored: expected {} of shape ({}, {}), found {}", part.name,
-                           frames, part.count, shape_text(array->shape)));
-        }
-        return;
-      }
-      const std::vector<double> values = array->numbers();
-      for (std::size_t frame = 0; frame < frames; ++frame) {
-        for (std::size_t i = 0; i < part.count / 3; ++i) {
-          rotations[frame * kSmplHandJointCount + part.first_joint + i] =
-              Eigen::Map<const Eigen::Vector3d>(values.data() + frame * width + part.first + 3 * i);
-        }
+      auto fault = array ? add_hand(part, *array, rotations) : array.error().message;
+      if (!fault) continue;
+      faults.push_back(std::move(*fault));
+      are_faults_zero = are_faults_zero && array && is_zero(*array);
+    }
+    const bool move = hands_move(rotations);
+    // Zeros of any shape are a hand at rest, which matters only next to one that moves.
+    if (move || !are_faults_zero) {
+      for (const std::string& fault : faults) warn("fingers ignored: " + fault);
+    }
+    if (!move) return;
+    arrays_.hand_rotations = std::move(rotations);
+    if (parts.size() == 1 && parts.front().count < kHandColumns) {
+      const bool left = parts.front().first_joint == 0;
+      warn(fmt::format("no {} next to {}: the fingers of the {} hand stay at rest",
+                       left ? kRightHand : kLeftHand, parts.front().name, left ? "right" : "left"));
+    }
+  }
+
+  // Adds the fingers of a part to `rotations`. Returns the fault of malformed ones.
+  [[nodiscard]] std::optional<std::string> add_hand(const HandPart& part, const NpyArray& array,
+                                                    std::vector<Eigen::Vector3d>& rotations) const {
+    const auto frames = static_cast<std::size_t>(arrays_.frame_count);
+    const std::size_t width = width_of(array.shape), joints = part.count / 3;
+    // Principal components are not rotations.
+    const bool fits = part.first > 0 ? width >= part.first + part.count : width == part.count;
+    if (!fits || !array.is_number() || array.shape[0] != frames) {
+      return fmt::format("expected {} of shape ({}, {}), found {}", part.name, frames, part.count,
+                         shape_text(array.shape));
+    }
+    const std::vector<double> values = array.numbers();
+    std::vector<Eigen::Vector3d> turns;
+    turns.reserve(frames * joints);
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      const double* row = values.data() + frame * width + part.first;
+      for (std::size_t joint = 0; joint < joints; ++joint) {
+        turns.emplace_back(Eigen::Map<const Eigen::Vector3d>(row + 3 * joint));
       }
     }
-    if (!std::ranges::all_of(rotations, is_rotation)) {
-      warn("fingers ignored: their values are not rotations in radians");
-    } else if (hands_move(rotations)) {
-      arrays_.hand_rotations = std::move(rotations);
-      if (parts.size() == 1 && parts.front().count < kHandColumns) {
-        const bool left = parts.front().first_joint == 0;
-        warn(fmt::format("no {} next to {}: the fingers of the {} hand stay at rest",
-                         left ? kRightHand : kLeftHand, parts.front().name,
-                         left ? "right" : "left"));
-      }
+    if (!std::ranges::all_of(turns, is_rotation)) {
+      return fmt::format("{} has values that are not rotations in radians", part.name);
     }
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+      rotations[i / joints * kSmplHandJointCount + part.first_joint + i % joints] = turns[i];
+    }
+    return std::nullopt;
   }
 
   static bool is_zero(const NpyArray& array) {
@@ -310,9 +327,10 @@ class MotionReader {
 
   Result<void> read_rate(std::optional<double> source_fps) {
     TRY_ASSIGN(const auto stated, read_motion_rate(file_, source_fps));
-    if (!stated && !kind_.fps) return no_motion_rate(file_);
-    arrays_.rate = stated ? *stated : frame_rate_from_fps(*kind_.fps);
-    if (!stated && !kind_.fps_reason.empty()) warn(kind_.fps_reason);
+    if (!stated.rate && !kind_.fps) return no_motion_rate(file_);
+    arrays_.rate = stated.rate ? *stated.rate : frame_rate_from_fps(*kind_.fps);
+    for (const Warning& warning : stated.warnings) arrays_.warnings.push_back(warning);
+    if (!stated.rate && !kind_.fps_reason.empty()) warn(kind_.fps_reason);
     return {};
   }
 

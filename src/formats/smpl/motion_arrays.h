@@ -88,12 +88,18 @@ struct TranslationUnit {
 [[nodiscard]] std::optional<TranslationUnit> find_translation_unit(const MotionArrays& arrays,
                                                                    const SmplRestBody& body);
 
+/// The frame rate that a file states.
+struct MotionRate {
+  std::optional<FrameRate> rate;  ///< Empty: the file states none.
+  std::vector<Warning> warnings;  ///< About times per frame that contradict it.
+};
+
 /// Reads the frame rate of a motion file from any of its known names: `fps`, `mocap_framerate` and
-/// similar ones, otherwise `dt` and similar ones. Returns nothing without one. Errors: two
-/// different rates, an invalid rate.
+/// similar ones, otherwise `dt` and similar ones. Numbers that differ only by their rounding state
+/// one rate. Errors: two different rates, an invalid rate.
 /// @param source_fps  overrides the file's rate, Hz; positive and finite.
-[[nodiscard]] Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
-                                                                std::optional<double> source_fps);
+[[nodiscard]] Result<MotionRate> read_motion_rate(const ArraySource& file,
+                                                  std::optional<double> source_fps);
 
 /// The error for a file without a rate whose kind has no usual one.
 [[nodiscard]] Failure no_motion_rate(const ArraySource& file);

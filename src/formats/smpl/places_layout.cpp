@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "formats/smpl/joint_motion.h"
@@ -64,27 +66,36 @@ bool is_known_count(std::size_t joints) {
       joint_orders(), [&](const JointOrder& order) { return order.joint_count() == joints; });
 }
 
-// Median distance between neighbours along one of the first two axes of (a, b, joints, 3); empty
-// without neighbours.
-std::optional<double> step_along(const std::vector<double>& values, const PlacesLayout& layout,
+// Distances between neighbours along an axis: their median and the largest one.
+struct Steps {
+  double usual, most;
+};
+
+bool is_absent(const double* point) {
+  const Eigen::Map<const Eigen::Vector3d> place(point);
+  return !place.allFinite() || place.isZero(0.0);
+}
+
+// Steps along one of the first two axes of (a, b, joints, 3); empty without present neighbours.
+std::optional<Steps> steps_along(const std::vector<double>& values, const PlacesLayout& layout,
                                  bool first_axis) {
   constexpr std::size_t kMostSteps = 20'000;
   const std::size_t row = 3 * layout.joints, block = layout.frames * row;
   const std::size_t reach = first_axis ? block : row;
-  const std::size_t points = values.size() / 3;
-  const std::size_t stride = 1 + points / kMostSteps;
+  std::size_t stride = 1 + values.size() / 3 / kMostSteps;
+  while (std::gcd(stride, layout.joints) > 1) ++stride;  // Visits all joints.
   std::vector<double> steps;
-  for (std::size_t point = 0; point < points; point += stride) {
-    const std::size_t at = 3 * point;
+  for (std::size_t at = 0; at < values.size(); at += 3 * stride) {
     const bool is_last = first_axis ? at + reach >= values.size() : at % block + reach >= block;
-    if (is_last) continue;
+    if (is_last || is_absent(&values[at]) || is_absent(&values[at + reach])) continue;
     const double step = (Eigen::Map<const Eigen::Vector3d>(&values[at + reach]) -
                          Eigen::Map<const Eigen::Vector3d>(&values[at]))
                             .norm();
     if (std::isfinite(step)) steps.push_back(step);
   }
   if (steps.empty()) return std::nullopt;
-  return median(std::move(steps));
+  const double most = std::ranges::max(steps);
+  return Steps{median(std::move(steps)), most};
 }
 
 }  // namespace
@@ -135,21 +146,37 @@ std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
 }
 
 std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
-                                          const std::vector<double>& values) {
+                                          const std::vector<double>& values, std::size_t chosen) {
   constexpr std::size_t kMostPeople = 10;
   constexpr double kMuchLess = 0.5;
-  // Copies of one motion are no people.
   if (layout.frames_last || layout.samples <= layout.frames) return layout;
   PlacesLayout people = layout;
   std::swap(people.samples, people.frames);
   people.are_people = true;
-  const bool is_narrow = layout.frames <= kMostPeople && layout.samples > kMostPeople;
-  if (is_narrow && people.samples == 1) return people;
-  const auto first = step_along(values, layout, true);
-  const auto second = step_along(values, layout, false);
-  if (first && second && *first < kMuchLess * *second) return people;
-  if (is_narrow && !(first && second && *second < kMuchLess * *first)) return std::nullopt;
-  return layout;
+  if (people.samples == 1) return people;
+  const auto first = steps_along(values, layout, true);
+  const auto second = steps_along(values, layout, false);
+  // Copies of one motion do not move, and an absent person has no present neighbour.
+  const bool first_moves = first && first->most > 0.0, second_moves = second && second->most > 0.0;
+  if (first_moves != second_moves) return first_moves ? people : layout;
+  if (first_moves && first->usual < kMuchLess * second->usual) return people;
+  if (first_moves && second->usual < kMuchLess * first->usual) return layout;
+  const bool may_be_people = layout.frames <= kMostPeople && layout.samples > kMostPeople;
+  return may_be_people && chosen <= people.samples ? std::nullopt : std::optional(layout);
+}
+
+bool is_absent_sample(const PlacesLayout& layout, std::size_t sample,
+                      const std::vector<double>& values) {
+  for (std::size_t frame = 0; frame < layout.frames; ++frame) {
+    for (std::size_t joint = 0; joint < layout.joints; ++joint) {
+      const auto value = [&](std::size_t axis) {
+        return values[layout.index(sample, frame, joint, axis)];
+      };
+      const std::array<double, 3> point = {value(0), value(1), value(2)};
+      if (!is_absent(point.data())) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace retarget

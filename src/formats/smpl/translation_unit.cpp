@@ -9,12 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/option_name.h"
-#include "base/try.h"
-#include "motion/clip.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
-#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -165,121 +161,6 @@ std::optional<TranslationUnit> find_translation_unit(const MotionArrays& arrays,
                : fmt::format("in metres the feet would be at a height of {:.0f} m", level);
   return TranslationUnit{best->metres,
                          fmt::format("assuming that trans is in {}: {}", best->name, why)};
-}
-
-namespace {
-
-// Names of a rate in files of motion capture, data sets and NumPy users, and of its reciprocal.
-constexpr std::array kRateNames = {"mocap_framerate", "mocap_frame_rate", "fps", "framerate",
-                                   "frame_rate"};
-constexpr std::array kTimeNames = {"frame_time", "frametime", "dt"};
-
-constexpr std::string_view kRateHint = "give the frame rate with " OPTION("source-fps");
-
-Result<double> read_rate_array(const ArraySource& file, const char* name) {
-  TRY_ASSIGN(const auto array, file.read(name));
-  if (!array.is_number() || array.element_count() != 1) {
-    return file.array_failure(name,
-                              std::string("expected one number, found ") +
-                                  (array.is_text() ? "text of" : "numbers of") + " shape " +
-                                  shape_text(array.shape),
-                              std::string(kRateHint));
-  }
-  const double fps = array.numbers().front();
-  if (is_plausible_rate(fps)) return fps;
-  return file.array_failure(name,
-                            fmt::format("expected a frame rate {}, found {:g}",
-                                        fps > 0.0 ? "from 1 to 10000" : "above 0", fps),
-                            std::string(kRateHint));
-}
-
-// Reads the seconds per frame of a file without a rate. Arrays of other shapes are something else.
-Result<std::optional<FrameRate>> read_frame_time(const ArraySource& file) {
-  for (const char* name : kTimeNames) {
-    if (!file.has(name)) continue;
-    const auto array = file.read(name);
-    if (!array || !array->is_number() || array->element_count() != 1) continue;
-    const double seconds = array->numbers().front();
-    if (!(seconds > 0.0) || !is_plausible_rate(1.0 / seconds)) {
-      return file.array_failure(name,
-                                fmt::format("expected seconds per frame, found {:g}", seconds),
-                                std::string(kRateHint));
-    }
-    return frame_rate_from_frame_time(seconds);
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
-Result<std::optional<FrameRate>> read_motion_rate(const ArraySource& file,
-                                                  std::optional<double> source_fps) {
-  if (source_fps) return frame_rate_from_fps(*source_fps);
-  std::optional<FrameRate> found;
-  const char* first = nullptr;
-  for (const char* name : kRateNames) {
-    if (!file.has(name)) continue;
-    TRY_ASSIGN(const auto fps, read_rate_array(file, name));
-    const FrameRate rate = frame_rate_from_fps(fps);
-    if (found && !same_rate(rate, *found)) {
-      return file.array_failure(
-          name, to_text(rate) + " frames per second, but " + first + " says " + to_text(*found),
-          std::string(kRateHint));
-    }
-    if (found) continue;
-    found = rate;
-    first = name;
-  }
-  const auto by_time = read_frame_time(file);
-  if (!found) return by_time;
-  // An implausible time is something else.
-  if (by_time && *by_time && !same_rate(**by_time, *found)) {
-    return file.file_failure(
-        fmt::format("{} says {} frames per second, but the time per frame gives {}", first,
-                    to_text(*found), to_text(**by_time)),
-        std::string(kRateHint));
-  }
-  return found;
-}
-
-Failure no_motion_rate(const ArraySource& file) {
-  return file.file_failure(fmt::format("no frame rate: found none of {} and {}",
-                                       fmt::join(kRateNames, ", "), fmt::join(kTimeNames, ", ")),
-                           std::string(kRateHint));
-}
-
-std::optional<std::string> missing_frames(const ArraySource& file, int frame_count,
-                                          const FrameRate& rate) {
-  constexpr const char* kName = "frame_ids";
-  if (!file.has(kName)) return std::nullopt;
-  const auto array = file.read(kName);
-  if (!array || !array->is_number()) return std::nullopt;
-  const std::vector<double> ids = array->numbers();
-  if (ids.size() != static_cast<std::size_t>(frame_count)) return std::nullopt;
-  // Files may contain every second or third frame of the video.
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < ids.size(); ++i) {
-    const double step = ids[i] - ids[i - 1];
-    if (step > 0.0 && std::isfinite(step)) steps.push_back(step);
-  }
-  if (steps.empty()) return std::nullopt;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
-  std::ranges::nth_element(steps, middle);
-  const double usual = *middle;
-  double missing = 0.0;
-  std::size_t gaps = 0, first = 0;
-  for (std::size_t i = 1; i < ids.size(); ++i) {
-    const double step = ids[i] - ids[i - 1];
-    if (!(step > 1.5 * usual) || !std::isfinite(step)) continue;
-    missing += step / usual - 1.0;
-    if (++gaps == 1) first = i;
-  }
-  if (gaps == 0) return std::nullopt;
-  return fmt::format(
-      "the array \"{}\" leaves out {:.0f} frames in {}, first after {:.0f} ({:.2f} s of this "
-      "motion): the person was lost there, and the motion jumps over the gap",
-      kName, missing, count_text(gaps, "place"), ids[first - 1],
-      static_cast<double>(first - 1) / rate.fps());
 }
 
 }  // namespace retarget

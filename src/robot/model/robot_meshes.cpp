@@ -127,6 +127,10 @@ class RobotMeshLoader {
   void add_folder();
   [[nodiscard]] RobotMeshes finish();
 
+  /// The fault of the first unreadable mesh, otherwise a sentence about missing ones, if any.
+  [[nodiscard]] const std::optional<Error>& fault() const { return fault_; }
+  [[nodiscard]] std::string gap() const { return gaps_.empty() ? std::string() : gaps_.front(); }
+
  private:
   void note_missing(const std::string& model, const BodySurfaces& surfaces);
 
@@ -135,6 +139,8 @@ class RobotMeshLoader {
   const bool must_;            // If true, an unreadable model is an error instead of a note.
   std::vector<bool> covered_;  // One per body.
   std::vector<std::string> unreadable_;
+  std::optional<Error> fault_;
+  std::vector<std::string> gaps_;  // Sentences about meshes that are replaced by primitives.
   RobotMeshes result_;
 };
 
@@ -161,23 +167,23 @@ Result<void> RobotMeshLoader::add_model(const std::string& model) {
 
 void RobotMeshLoader::note_missing(const std::string& model, const BodySurfaces& surfaces) {
   const auto& [bodies, files, missing, unreadable] = surfaces;
-  const std::string primitives = "; drawing primitives instead";
   if (!missing.empty()) {
     const bool none = missing.size() == files;
-    result_.notes.push_back(
-        (none ? "all mesh files of " + model + " are missing, such as "
-              : count_text(missing.size(), "mesh file") + " of " + std::to_string(files) + " of " +
-                    model + (missing.size() == 1 ? " is" : " are") + " missing, such as ") +
-        missing.front() + primitives);
+    gaps_.push_back((none ? "all mesh files of " + model + " are missing, such as "
+                          : count_text(missing.size(), "mesh file") + " of " +
+                                std::to_string(files) + " of " + model +
+                                (missing.size() == 1 ? " is" : " are") + " missing, such as ") +
+                    missing.front());
   }
   for (const Error& each : unreadable) unreadable_.push_back(each.location.file);
   if (!unreadable.empty()) {
-    result_.notes.push_back(
+    if (!fault_) fault_ = unreadable.front();
+    gaps_.push_back(
         "the meshes of " +
         (unreadable.size() == 1 ? std::string("a body")
                                 : std::to_string(unreadable.size()) + " bodies") +
         " cannot be read: " + fs::path(unreadable.front().location.file).filename().string() +
-        ": " + unreadable.front().message + primitives);
+        ": " + unreadable.front().message);
   }
 }
 
@@ -206,6 +212,9 @@ void RobotMeshLoader::add_folder() {
 
 RobotMeshes RobotMeshLoader::finish() {
   std::ranges::sort(result_.bodies, {}, &BodyMesh::body);
+  for (const std::string& gap : gaps_) {
+    result_.notes.push_back(gap + "; drawing primitives instead");
+  }
   return std::move(result_);
 }
 
@@ -258,6 +267,11 @@ Result<RobotMeshes> load_meshes(const Robot& robot, const std::string& model,
   RobotMeshes meshes = loader.finish();
   if (named.empty() || !meshes.bodies.empty()) return meshes;
   const std::string hint = "its body names are " + robot.bodies()[1].name + " and so on";
+  if (auto fault = loader.fault()) {
+    fault->kind = ErrorKind::kInput;
+    return failure(*std::move(fault));
+  }
+  if (!loader.gap().empty()) return input_failure(named, loader.gap(), hint);
   if (!meshes.notes.empty()) return input_failure(named, meshes.notes.front(), hint);
   return input_failure(named,
                        other_model ? "the model names no mesh for a body of " + robot.name()
