@@ -243,18 +243,6 @@ TEST(CleanClip, SmoothsIndependentErrorsOfTheRoot) {
   }
 }
 
-// Smoothing would spread the jump over its neighbours, and no warning would name it.
-TEST(CleanClip, DoesNotSmoothARootThatJumps) {
-  const Clip clip = recorded_clip("walk");
-  Clip noisy = with_white_noise(clip, 1.0);
-  NormalNumbers noise(7);
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    noisy.translations(frame)[0] += noise.next_vector();
-    if (frame >= clip.frame_count() / 2) noisy.translations(frame)[0].x() += 40.0;
-  }
-  EXPECT_THAT(clean(noisy).notes, Not(Contains(HasSubstr("jitter of the root"))));
-}
-
 // Every second frame is in the middle of its neighbours.
 TEST(CleanClip, InterpolatedFramesAreNoJitter) {
   for (const char* name : {"walk", "squat"}) {

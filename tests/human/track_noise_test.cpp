@@ -220,6 +220,23 @@ TEST(TrackNoise, AccumulatedErrorsAreNotWhiteInShortClips) {
   }
 }
 
+TEST(TrackNoise, IndependentErrorsDoNotAlternateRegularly) {
+  NormalNumbers normal(3);
+  for (const int frames : {30, 60, 300}) {
+    for (const TrackNoise& noise : noises_of_errors(normal, 200, frames, false)) {
+      EXPECT_FALSE(noise.alternates()) << frames;
+    }
+    // Along one axis, the correlations scatter more.
+    int regular = 0;
+    for (int track = 0; track < 200; ++track) {
+      std::vector<Vector3d> heights;
+      for (int frame = 0; frame < frames; ++frame) heights.emplace_back(0.0, 0.0, normal.next());
+      regular += measure_noise(heights).alternates() ? 1 : 0;
+    }
+    EXPECT_LE(regular, 2) << frames;
+  }
+}
+
 // The best filter is not worse than none, whatever the movement and the noise.
 TEST(TrackNoise, SmoothingNeverHarmsTracksWithWhiteNoise) {
   for (const double hertz : {0.5, 1.0, 2.0}) {

@@ -13,8 +13,8 @@ struct RootJitter {
   double cutoff = 0.0;  ///< Of the low-pass filter, Hz.
 };
 
-/// Smooths the position of the body if its errors are independent. They shake both feet, so that
-/// none seems to stand. A drift, which is slower, remains. A path with jumps stays unchanged.
+/// Smooths the path of the hips if its errors are independent. They shake both feet, so that none
+/// seems to stand. A drift, which is slower, remains, and so do jumps.
 /// @param white  whether the joints had independent errors, too; weaker evidence then suffices.
 /// @return nothing if the clip is unchanged
 std::optional<RootJitter> smooth_root_jitter(Clip& clip, FrameRange part,

@@ -153,6 +153,15 @@ bool TrackNoise::may_exceed(double step_limit) const {
   return moves && sharp_correlation < kCorrelation && step > step_limit;
 }
 
+bool TrackNoise::alternates() const {
+  // The correlations of independent errors in one sample scatter by these values (Bartlett). All
+  // errors may be along one axis.
+  constexpr double kScatter = 0.55, kSharpScatter = 0.45, kDeviations = 3.0;
+  const double deviations = kDeviations / std::sqrt(std::max(1, samples));
+  return correlation < -2.0 / 3.0 - deviations * kScatter ||
+         sharp_correlation < -3.0 / 4.0 - deviations * kSharpScatter;
+}
+
 TrackNoise measure_noise(const std::vector<Quaterniond>& rotations) {
   constexpr double kStill = 1e-12;
   return noise_of(rotations, kStill, [](const Quaterniond& from, const Quaterniond& to) {

@@ -13,8 +13,8 @@ namespace retarget {
 struct TrackNoise {
   bool moves = false;
   double correlation = 0.0;  ///< Correlation of neighbouring changes.
-  double sharp_correlation =
-      0.0;  ///< Correlation of neighbouring differences of changes; at most -2/3 for noise.
+  /// Correlation of neighbouring differences of changes: -2/3 and -3/4 for these errors.
+  double sharp_correlation = 0.0;
   double step = 0.0;  ///< RMS change of the error per frame, rad or length.
   int samples = 0;    ///< Number of neighbours in the correlations.
 
@@ -22,6 +22,9 @@ struct TrackNoise {
   [[nodiscard]] bool exceeds(double step_limit) const;
   /// Weaker test for a track among noisy ones: fast movement hides noise from the changes.
   [[nodiscard]] bool may_exceed(double step_limit) const;
+  /// Whether the changes alternate more regularly than those of independent errors, as in a track
+  /// that vibrates or holds each value for two frames.
+  [[nodiscard]] bool alternates() const;
 };
 
 /// Limits for rotations, rad: harmful to a robot's motion, and noise where other joints are noisy.

@@ -93,6 +93,11 @@ FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
       stands_(model.feet.size()),
       near_pairs_(model) {
   row_dofs_.reserve(row_.size());
+  std::size_t most_points = 0;
+  for (const SupportBody& body : model.supports) {
+    most_points = std::max(most_points, body.points.size());
+  }
+  touches_.reserve(most_points);
 }
 
 // Adds the residual r of world coordinate `axis` of a point of a link. Its rate is n.(v + w x d),
@@ -254,16 +259,18 @@ void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCo
 void FrameTerms::add_support_height(const TreeState& pose, const SupportBody& body, double weight,
                                     TermCosts& costs) {
   constexpr double kEqual = 1e-5;  // Metres.
-  const double lowest = body.lowest(pose).height;
+  touches_.clear();
+  double lowest = HUGE_VAL;
+  for (const SupportBody::Point& point : body.points) {
+    touches_.push_back(SupportBody::touch_of(point, pose));
+    lowest = std::min(lowest, touches_.back().height);
+  }
   const auto share_of = [&](const SupportBody::Touch& touch) {
     return square(std::max(0.0, 1.0 - (touch.height - lowest) / kEqual));
   };
   double sum = 0.0;
-  for (const SupportBody::Point& point : body.points) {
-    sum += share_of(SupportBody::touch_of(point, pose));
-  }
-  for (const SupportBody::Point& point : body.points) {
-    const SupportBody::Touch touch = SupportBody::touch_of(point, pose);
+  for (const SupportBody::Touch& touch : touches_) sum += share_of(touch);
+  for (const SupportBody::Touch& touch : touches_) {
     const double shared = weight * share_of(touch) / sum;
     if (shared <= 0.0) continue;
     const double height = touch.height - options_.body_margin;

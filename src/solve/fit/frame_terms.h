@@ -171,6 +171,7 @@ class FrameTerms {
   std::vector<double> row_;
   std::vector<char> stands_;  // One per foot: whether it is in contact and does not lie.
   std::vector<int> row_dofs_;
+  std::vector<SupportBody::Touch> touches_;  // Of one support body.
   NearPairs near_pairs_;
   FootOverlap foot_overlap_;
 };
