@@ -28,7 +28,7 @@ OUTER = ["batch", "edit", "live", "rig", "view"]
 
 # Public headers of outer modules that the core does not include either. It works without them: callers
 # pass in what draws. (edit.h is not among them: a run mirrors its clip with it.)
-RIM_HEADERS = ["batch", "edit_tables", "gallery", "ground_path", "live", "live_table",
+RIM_HEADERS = ["batch", "edit_paths", "edit_seams", "edit_tables", "gallery", "ground_path", "live", "live_table",
                "repeated_clips", "rig", "serve",
                "serve_table", "view"]
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "live/session/playout.h"
+#include "live/session/frame_queue.h"
 
 namespace retarget {
 namespace {

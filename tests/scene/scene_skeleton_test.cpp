@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/scene/scene_takes.h"
 #include "formats/scene/skeleton_shape.h"
 #include "support/value_of.h"
 

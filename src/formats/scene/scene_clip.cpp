@@ -11,7 +11,7 @@
 #include "base/try.h"
 #include "formats/containers/file_kind.h"
 #include "formats/scene/clip_builder.h"
-#include "formats/scene/scene_skeleton.h"
+#include "formats/scene/scene_takes.h"
 #include "formats/scene/scene_times.h"
 #include "formats/scene/skeleton_shape.h"
 #include "motion/clip.h"

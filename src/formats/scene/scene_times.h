@@ -7,7 +7,7 @@
 
 #include "formats/scene/key_grid.h"
 #include "formats/scene/scene.h"
-#include "formats/scene/scene_skeleton.h"
+#include "formats/scene/scene_takes.h"
 #include "retarget/error.h"
 
 namespace retarget {

@@ -10,6 +10,7 @@
 #include "human/gait/end_tracks.h"
 #include "human/gait/planted_parts.h"
 #include "human/gait/root_drift.h"
+#include "human/gait/stance_likelihood.h"
 #include "retarget/statistics.h"
 
 namespace retarget {
@@ -26,17 +27,17 @@ class DriftSolver {
  public:
   DriftSolver(const SourceFeet& feet, const std::vector<Vector3d>& hips, DriftRule rule)
       : tracks_(feet),
-        falls_(frames_in_free_fall(feet, tracks_)),
         parts_(feet, tracks_, hips),
         vertical_(rule.vertical),
         climbs_(rule.climbs),
         wander_(rule.wander),
         rate_(1.0 / tracks_.frame_time),
-        turning_(rule.jittery ? 0.2 : 0.12),
         step_((rule.jittery ? 0.15 : 0.05) * tracks_.frame_time),
         drift_(tracks_.count, Vector3d::Zero()) {
     for (const Vector3d& place : hips) hips_.push_back(place / tracks_.scale);
-    find_stances();
+    // Turning speed above which a foot hardly stands, m/s.
+    const double turning = rule.jittery ? 0.2 : 0.12;
+    stands_ = stance_likelihood(tracks_, frames_in_free_fall(feet, tracks_), parts_, turning);
     constexpr double kOneLevel = 0.15;  // Metres.
     on_levels_ = parts_.root_speed() > 0.0 && spread_of_stances() > kOneLevel;
   }
@@ -113,55 +114,6 @@ class DriftSolver {
     if (spread_of_stances() < kMuchNearer * spread) return;
     drift_.swap(drift);
     rolling_.setZero();
-  }
-
-  // Likelihood that each end stands, from quantities that do not depend on the root.
-  void find_stances() {
-    constexpr double kFree = 0.02, kWidth = 0.03, kEndFree = 0.005, kEndWidth = 0.015;
-    // Only the lower end of a turning foot may stand, with a lower likelihood.
-    constexpr double kTurningShare = 0.1;
-    const std::vector<char> aloft = frames_aloft();
-    for (int end = 0; end < kEndCount; ++end) {
-      stands_[end].assign(tracks_.count, 0.0);
-      for (std::size_t i = 0; i < tracks_.count; ++i) {
-        const int foot = end / 2;
-        const bool climbs = stands_while_body_climbs(foot, i, aloft);
-        if (falls_[i] != 0 || (aloft[i] != 0 && !climbs) || parts_.is_carried(foot, i)) continue;
-        const double lower = tracks_.lower(foot, i);
-        const double over = climbs ? 0.0 : lower - tracks_.lowest[i];
-        const double near = bell(std::max(0.0, over - kFree) / kWidth);
-        const double steady = bell(tracks_.turning(foot, i) / turning_);
-        const double rise = std::max(0.0, tracks_.heights[end][i] - lower - kEndFree);
-        stands_[end][i] = near * (steady + (1.0 - steady) * kTurningShare * bell(rise / kEndWidth));
-      }
-    }
-  }
-
-  // A body that climbs stands on the upper foot, and carries the lower one.
-  [[nodiscard]] bool stands_while_body_climbs(int foot, std::size_t i,
-                                              const std::vector<char>& aloft) const {
-    return parts_.is_planted(foot, i) && (aloft[i] != 0 || parts_.is_carried(1 - foot, i));
-  }
-
-  // Frames in which the body is in the air: the feet fall freely with it, or the lowest foot is far
-  // above its level within a second.
-  [[nodiscard]] std::vector<char> frames_aloft() const {
-    constexpr double kJump = 0.12, kMaxSpread = 0.1;
-    const double middle = median(tracks_.lowest);
-    std::vector<double> off;
-    for (const double height : tracks_.lowest) off.push_back(std::abs(height - middle));
-    const double high = kJump + 2.0 * std::min(1.48 * median(off), kMaxSpread);
-    const auto reach = static_cast<std::size_t>(std::lround(rate_));
-    std::vector<char> aloft(tracks_.count, 0);
-    for (std::size_t i = 0; i < tracks_.count; ++i) {
-      const std::size_t from = i < reach ? 0 : i - reach;
-      const std::size_t to = std::min(i + reach + 1, tracks_.count);
-      const double floor = percentile({tracks_.lowest.begin() + static_cast<std::ptrdiff_t>(from),
-                                       tracks_.lowest.begin() + static_cast<std::ptrdiff_t>(to)},
-                                      10.0);
-      aloft[i] = falls_[i] != 0 || tracks_.lowest[i] - floor > high ? 1 : 0;
-    }
-    return aloft;
   }
 
   [[nodiscard]] Vector3d step(int end, std::size_t i) const {
@@ -407,22 +359,15 @@ class DriftSolver {
     return median_climb() * static_cast<double>(tracks_.count);
   }
 
-  // Approximately exp(-x^2), bit-identical on every machine.
-  static double bell(double x) {
-    const double y = x * x;
-    return 1.0 / (1.0 + y * (1.0 + y * (0.5 + y / 6.0)));
-  }
   static double cauchy(double x) { return 1.0 / square(1.0 + x * x); }
 
   EndTracks tracks_;
-  std::vector<char> falls_;  // One per frame: whether the feet fall freely with the body.
   PlantedParts parts_;
   bool vertical_, climbs_;
   double wander_;           // Metres; 0: the root drifts for certain.
   bool on_levels_ = false;  // Whether the stances are on several levels without the drift.
   bool levels_ = false;     // Whether rolling_ follows the climb that the correction adds.
   double rate_;
-  double turning_;                        // Turning speed above which a foot hardly stands, m/s.
   double step_;                           // Movement of a standing end per frame, metres.
   Vector3d rolling_ = Vector3d::Zero();   // Step of standing feet that roll.
   Vector3d measured_ = Vector3d::Ones();  // Axes of the measured speed: 1, others: 0.

@@ -27,9 +27,6 @@ struct CalibrationOptions {
   std::optional<Clip> tpose;
 };
 
-/// The up axis of a calibration and the tilt that it corrects: `+y`, `+y levelled by 12.0 degrees`.
-[[nodiscard]] std::string up_text(const Calibration& calibration);
-
 /// Calibration of LAFAN1's skeleton as in the published method: file units are centimetres, Y is
 /// up, and the body height is 1.75 m, independent of the bones. The synthetic feet are at the
 /// ankles and turn with the toes.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -13,141 +12,13 @@
 
 #include "formats/bvh/euler_angles.h"
 #include "human/skeleton/foot_slides.h"
+#include "human/skeleton/foot_steps.h"
 #include "human/skeleton/up_evidence.h"
 
 namespace retarget {
 namespace {
 
-// Approximate duration of a time step.
-constexpr double kStepSeconds = 1.0 / 30.0;
-
-// Motion of ankles and toes in short time steps, spread over a clip. It separates the effect of
-// the root translation, which may be scaled, from the rest. Lengths are in legs.
-class FootSteps {
- public:
-  // @param slots  translation slots of the root (Skeleton::translation_slot)
-  // @param up     unit vector in the file's axes. If known, parts of the body that are lower than
-  //               the feet count as feet: they carry the body.
-  FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
-            const std::optional<Eigen::Vector3d>& up = std::nullopt);
-
-  [[nodiscard]] bool empty() const { return steps_.empty(); }
-  // Mean speed of the slowest ankle or toe with a scaled root translation, legs per second.
-  // @param root_scale  a number or a matrix
-  template <typename Scale>
-  [[nodiscard]] double slowest_foot(const Scale& root_scale) const {
-    double sum = 0.0;
-    for (const auto& step : steps_) sum += slowest_in(step, root_scale);
-    return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
-  }
-  // Mean speed of the root, legs per second.
-  // @param measured  matrix that is applied to displacements
-  [[nodiscard]] double root(const Eigen::Matrix3d& measured = Eigen::Matrix3d::Identity()) const;
-  // Mean cosine between trunk and legs, as seen from the hips: near 1 if they point the same way,
-  // which no body does; 0 if unknown.
-  [[nodiscard]] double fold() const { return fold_; }
-
- private:
-  struct FootStep {
-    Eigen::Vector3d by_root, by_others;
-  };
-  template <typename Scale>
-  [[nodiscard]] static double slowest_in(const std::vector<FootStep>& step,
-                                         const Scale& root_scale) {
-    double slowest = std::numeric_limits<double>::infinity();
-    for (const FootStep& foot : step) {
-      slowest = std::min(slowest, (root_scale * foot.by_root + foot.by_others).norm());
-    }
-    return slowest;
-  }
-
-  std::vector<std::vector<FootStep>> steps_;  // One per time step and foot.
-  double fold_ = 0.0;
-};
-
 using Eigen::Vector3d;
-
-// Approximate limit of the number of steps, which are spread evenly over the clip.
-constexpr int kMaxSteps = 1000;
-
-// First frames of the steps, and the length of a step in frames.
-struct StepFrames {
-  std::vector<int> begins;
-  int length = 1;
-};
-
-StepFrames frames_of_steps(const Clip& clip) {
-  StepFrames steps;
-  steps.length = std::max(1, static_cast<int>(std::lround(kStepSeconds * clip.rate().fps())));
-  const int count = clip.frame_count() - steps.length;
-  const int stride = std::max(steps.length, count / kMaxSteps);
-  for (int frame = 0; frame < count; frame += stride) steps.begins.push_back(frame);
-  return steps;
-}
-
-// Mean cosine between trunk and legs.
-double fold_of(const Body& body, const JointPoses& pose) {
-  const auto trunk = trunk_direction(body, pose);
-  if (!trunk) return 0.0;
-  double sum = 0.0;
-  for (const Side side : kSides) {
-    const int thigh = body.joint(side_bone(side, LimbBone::kUpLeg));
-    const int foot = body.joint(side_bone(side, LimbBone::kFoot));
-    if (thigh < 0 || foot < 0) continue;
-    sum += 0.5 * trunk->dot((pose[foot].translation - pose[thigh].translation).normalized());
-  }
-  return sum;
-}
-
-FootSteps::FootSteps(const Clip& clip, const Body& body, const std::vector<int>& slots,
-                     const std::optional<Vector3d>& up) {
-  const double leg = leg_length(body);
-  const std::vector<int> feet = feet_of_body(body);
-  std::vector<int> joints = feet;
-  if (up) {
-    const std::vector<int> supports = supports_of_body(body);
-    joints.insert(joints.end(), supports.begin(), supports.end());
-  }
-  const StepFrames steps = frames_of_steps(clip);
-  if (!(leg > 0.0) || feet.empty() || steps.begins.empty()) return;
-  // Comparing with the frame at doubled root translation isolates the contribution of the root.
-  Clip twice(clip.shared_skeleton(), clip.rate(), 1);
-  const auto places_at = [&](int frame) {
-    copy_frame(clip, frame, twice, 0);
-    for (const int slot : slots) twice.translations(0)[static_cast<std::size_t>(slot)] *= 2.0;
-    const JointPoses pose = frame_pose(clip, frame), moved = frame_pose(twice, 0);
-    fold_ += fold_of(body, pose) / (2.0 * static_cast<double>(steps.begins.size()));
-    std::vector<FootStep> places;
-    for (const int joint : joints) {
-      const Vector3d by_root = moved[joint].translation - pose[joint].translation;
-      places.push_back({by_root, pose[joint].translation - by_root});
-    }
-    return places;
-  };
-  const auto height = [&](const FootStep& place) {
-    return up->dot(place.by_root + place.by_others);
-  };
-  const double unit = leg * clip.rate().frame_time() * steps.length;
-  for (const int begin : steps.begins) {
-    const std::vector<FootStep> before = places_at(begin), after = places_at(begin + steps.length);
-    std::vector<FootStep> step;
-    double lowest_foot = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-      const bool is_foot = i < feet.size();
-      if (up && is_foot) lowest_foot = std::min(lowest_foot, height(before[i]));
-      if (!is_foot && height(before[i]) >= lowest_foot) continue;
-      step.push_back({(after[i].by_root - before[i].by_root) / unit,
-                      (after[i].by_others - before[i].by_others) / unit});
-    }
-    steps_.push_back(std::move(step));
-  }
-}
-
-double FootSteps::root(const Eigen::Matrix3d& measured) const {
-  double sum = 0.0;
-  for (const auto& step : steps_) sum += (measured * step.front().by_root).norm();
-  return steps_.empty() ? 0.0 : sum / static_cast<double>(steps_.size());
-}
 
 // Translation slots of the joints from the root to the hips.
 std::vector<int> root_slots(const Skeleton& skeleton, const Body& body) {

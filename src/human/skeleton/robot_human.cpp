@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "human/skeleton/calibrate.h"
+#include "human/skeleton/calibration_text.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/robot_human.h"
 #include "human/skeleton/skeleton_tree.h"

@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "live/session/frame_queue.h"
 #include "live/session/motion_limiter.h"
 #include "live/session/playout.h"
 #include "live/session/sender_clock.h"
+#include "live/session/window_times.h"
 #include "retarget/live_table.h"
 #include "retarget/online_solver.h"
 #include "retarget/try.h"
@@ -17,20 +19,15 @@
 namespace retarget {
 namespace {
 
-constexpr double kPatience =
-    0.1;                         // Seconds that a frame may be overdue before it counts as missing.
+// Seconds that a frame may be overdue before it counts as missing.
+constexpr double kPatience = 0.1;
 constexpr double kTooFar = 1e5;  // Metres from the origin.
-constexpr double kSetBack = 0.04;  // Seconds; a smaller backward step of a clock is jitter.
 
-Result<void> check_session(const Plan& plan, const LiveOptions& options) {
+Result<std::unique_ptr<OnlineSolver>> make_solver(const Plan& plan, const LiveOptions& options) {
   RETARGET_TRY(check_live_options(options, plan.options.solve.method));
   if (!plan.clip || plan.clip->frame_count() == 0) {
     return usage_failure("a stream needs a plan with at least one frame of the performer");
   }
-  return {};
-}
-
-Result<std::unique_ptr<OnlineSolver>> make_solver(const Plan& plan, const LiveOptions& options) {
   OnlineOptions online;
   online.frame_time = frame_rate_from_fps(options.fps).frame_time();
   if (options.mode == LiveMode::kLag) online.lag_s = options.lag_s;
@@ -58,9 +55,8 @@ class LiveSession::Impl {
         playout_(rate_.frame_time(), options.delay_s),
         limiter_(*plan.robot.robot, plan.limits, plan.fit, options.limits, rate_.frame_time()),
         wanted_(plan.robot.robot->zero_configuration()),
-        standing_(*plan.robot.robot, plan.limits) {
-    window_times_.resize(static_cast<std::size_t>(solver_->window_frames()));
-  }
+        standing_(*plan.robot.robot, plan.limits),
+        window_(solver_->window_frames()) {}
 
   void push(const HumanFrame& frame, double now);
   std::optional<RobotFrame> pull(double now);
@@ -81,12 +77,9 @@ class LiveSession::Impl {
   bool feed(const HumanPose& human);
   bool hold(double seconds);
   void interrupt(double now);
-  void note_older(double time, double now) { older_ = {time, now}; }
-  [[nodiscard]] bool was_set_back(double time, double now) const;
   RobotFrame show(const Playout::Slot& slot, LiveState state);
   [[nodiscard]] bool has_window() const { return solver_->window_frames() > 0; }
   void limit(const Playout::Slot& slot, LiveState state);
-  void take_window_time();
   std::optional<RobotFrame> show_rest();
   void note(const Playout::Slot& slot);
 
@@ -107,11 +100,7 @@ class LiveSession::Impl {
   bool absent_ = false;  // Frames have been missing for longer than kPatience.
   bool catches_up_ = false;
   double settled_ = -std::numeric_limits<double>::infinity();  // Last multi-start search.
-  // Session time and arrival of the last frame that was not newer than all frames before it.
-  std::optional<std::pair<double, double>> older_;
-  std::vector<double> window_times_;  // Times of the frames in the window, as a ring buffer.
-  std::size_t fed_ = 0, left_ = 0;    // Frames that entered and left the window.
-  double window_time_ = 0.0;          // Of the frame that left the window last.
+  WindowTimes window_;
 };
 
 void LiveSession::Impl::push(const HumanFrame& frame, double now) {
@@ -136,11 +125,11 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   // An emptied queue no longer contains the frame that was shown, so compare with its time.
   if (queue_.empty() && *time <= used) {
     ++statistics_.late;
-    note_older(*time, now);
+    queue_.note_old(*time, now);
     return;
   }
-  if (was_set_back(*time, now)) limiter_.set_off_slowly();
-  if (!queue_.empty() && *time <= queue_.newest()) note_older(*time, now);
+  if (queue_.continues_set_back(*time, now, clock_.rate())) limiter_.set_off_slowly();
+  if (!queue_.empty() && *time <= queue_.newest()) queue_.note_old(*time, now);
   const double bridged = kMaxBridgedGap * std::max(1.0, clock_.rate());
   switch (queue_.push(*time, frame.world_from_bone, now, bridged, by_sender)) {
     case FrameQueue::Taken::kYes:
@@ -155,17 +144,6 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   }
   statistics_.lost = queue_.lost();
   statistics_.teleports = static_cast<int>(queue_.teleports());
-}
-
-// Whether the frame continues a sender's clock that was set back slightly: its predecessor counted
-// as old, and less time has passed by the stamps than by the arrivals. The human moved meanwhile.
-bool LiveSession::Impl::was_set_back(double time, double now) const {
-  constexpr double kNext = 1.5;  // Intervals; consecutive frames are not further apart.
-  if (!older_ || queue_.empty() || time <= queue_.newest()) return false;
-  const double newest = queue_.newest(), arrival = queue_.known_since(newest);
-  const auto& [older_time, older_arrival] = *older_;
-  return older_arrival > arrival && time - older_time < kNext * queue_.interval() &&
-         now - arrival - (time - newest) / clock_.rate() > kSetBack;
 }
 
 bool LiveSession::Impl::begin() {
@@ -247,11 +225,11 @@ bool LiveSession::Impl::feed(const HumanPose& human) {
     return limiter_.has_begun();
   }
   if (has_window()) {
-    window_times_[fed_++ % window_times_.size()] = playout_.time();
+    window_.enter(playout_.time());
     statistics_.failed_steps += solver_->take_failed_steps();
   }
   if (outcome == OnlineSolver::Outcome::kFilling) return false;
-  take_window_time();
+  if (has_window()) window_.leave();
   std::ranges::copy(solver_->qpos(), wanted_.begin());
   return true;
 }
@@ -277,7 +255,7 @@ void LiveSession::Impl::interrupt(double now) {
   const bool settles = now - settled_ >= kSeldom;
   if (settles) settled_ = now;
   solver_->restart(settles);
-  fed_ = left_ = 0;
+  window_.restart();
   limiter_.set_off_slowly();
   if (limiter_.has_begun()) std::ranges::copy(limiter_.qpos(), wanted_.begin());
 }
@@ -304,16 +282,11 @@ RobotFrame LiveSession::Impl::show(const Playout::Slot& slot, LiveState state) {
   limit(slot, state);
   if (state != LiveState::kFollowing) ++statistics_.held;
   return {statistics_.robot_frames++,
-          has_window() ? window_time_ : slot.time,
+          has_window() ? window_.time() : slot.time,
           state,
           limiter_.qpos(),
           slot.at,
           slot.since};
-}
-
-// A pose leaves the window. Until the next one leaves, the robot shows its time.
-void LiveSession::Impl::take_window_time() {
-  if (has_window()) window_time_ = window_times_[left_++ % window_times_.size()];
 }
 
 // Returns the remaining frames: first those received but not shown, then those of the window.
@@ -330,7 +303,7 @@ std::optional<RobotFrame> LiveSession::Impl::show_rest() {
     statistics_.failed_steps += solver_->take_failed_steps();
     if (!has_rest) return std::nullopt;
     std::ranges::copy(solver_->qpos(), wanted_.begin());
-    take_window_time();
+    window_.leave();
     return show(playout_.take_rest(), LiveState::kFollowing);
   }
 }
@@ -344,16 +317,14 @@ void LiveSession::Impl::reset() {
   state_ = LiveState::kWaiting;
   statistics_ = {};
   has_human_ = finished_ = begun_ = absent_ = catches_up_ = false;
-  older_.reset();
   settled_ = -std::numeric_limits<double>::infinity();
-  fed_ = left_ = 0;
+  window_.restart();
 }
 
 void LiveSession::Impl::recalibrate(std::unique_ptr<OnlineSolver> solver) {
   solver_ = std::move(solver);
   clock_.restart();
   queue_.clear();
-  older_.reset();
   playout_.cut();
   has_human_ = false;
   // Before the first frame there is nothing to interrupt.
@@ -372,7 +343,6 @@ LiveSession::Body& LiveSession::Body::operator=(Body&&) noexcept = default;
 
 Result<LiveSession::Body> LiveSession::prepare(const Plan& plan, const LiveOptions& options,
                                                const Robot& robot) {
-  RETARGET_TRY(check_session(plan, options));
   if (plan.robot.robot->configuration_size() != robot.configuration_size()) {
     return usage_failure("a stream cannot change its robot");
   }
@@ -385,7 +355,6 @@ void LiveSession::recalibrate(Body body) {
 }
 
 Result<LiveSession> LiveSession::make(const Plan& plan, const LiveOptions& options) {
-  RETARGET_TRY(check_session(plan, options));
   RETARGET_TRY_ASSIGN(auto solver, make_solver(plan, options));
   return LiveSession(std::make_unique<Impl>(plan, options, std::move(solver)));
 }

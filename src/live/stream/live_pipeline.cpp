@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "live/session/playout.h"
+#include "live/session/frame_queue.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

@@ -11,14 +11,16 @@
 #include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
 #include "retarget/solved_scene.h"
-#include "robot/model/composite.h"
 #include "scene/scene_world.h"
 #include "solve/fit/fit_model.h"
 
 namespace retarget {
 
 /// Smallest upward component of the normal of a surface that carries a body: a slope of 45 degrees.
-constexpr double kLevelSurface = 0.7;
+inline constexpr double kLevelSurface = 0.7;
+
+/// Depth by which a foot's shapes may extend below its sole, metres.
+inline constexpr double kFootShapeDepth = 0.005;
 
 /// A support body that touches, approaches or leaves a surface of the scene in a frame.
 struct SceneGoal {
@@ -84,17 +86,5 @@ struct FitScene {
 /// @param qpos  the solved clip, frame-major, laid out as in RobotClip.
 /// @return whether there is any such contact.
 bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene);
-
-/// Costs of a frame's scene terms.
-struct SceneCosts {
-  double contact = 0.0, penetration = 0.0;
-};
-
-/// Adds a frame's scene terms: contacts touch their surfaces, and no link penetrates a body.
-/// @param stands      one per foot: whether an end of it is in contact, and it does not lie.
-/// @param composites  one per link; the terms' Hessians and gradients are added to them.
-SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
-                           int frame, const TreeState& pose, std::span<const char> stands,
-                           std::span<Composite> composites);
 
 }  // namespace retarget

@@ -9,10 +9,10 @@
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/trigonometry.h"
-#include "solve/fit/frame_terms.h"
 #include "solve/fit/limb_frame.h"
 #include "solve/fit/limb_path.h"
 #include "solve/fit/shorthand.h"
+#include "solve/fit/task_terms.h"
 #include "solve/fit/window_trial.h"
 
 namespace retarget {

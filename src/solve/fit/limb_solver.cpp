@@ -8,6 +8,7 @@
 #include "base/math/least_squares.h"
 #include "retarget/human.h"
 #include "solve/fit/shorthand.h"
+#include "solve/fit/task_terms.h"
 
 namespace retarget {
 namespace {
