@@ -57,10 +57,19 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const Calibration& calib
   return plants;
 }
 
+// @param beyond       metres that the motion travels beyond the end of the path.
 // @param fits_stride  the original strides are not kept, and end before the path does.
-std::vector<Warning> doubts_about(const PlantSummary& feet, bool fits_stride) {
-  std::vector<Warning> doubts;
+std::vector<Warning> doubts_about(const FollowedPath& followed, double beyond, bool fits_stride) {
   constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
+  std::vector<Warning> doubts = as_warnings(followed.check.faults);
+  if (beyond >= kMinPathLength) {
+    doubts.push_back({0, 0,
+                      "the motion leaves the end of the path and goes straight on for " +
+                          number_text(beyond, 2) +
+                          " m: its own path is longer; use a longer path or " +
+                          RETARGET_OPTION("keep") " time or speed"});
+  }
+  const PlantSummary& feet = followed.feet;
   if (feet.largest_miss > kNotedMiss) {
     doubts.push_back({0, 0,
                       "a leg is too short to reach its target position by " +
@@ -130,19 +139,9 @@ Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibratio
            (std::abs(beyond) < kMinPathLength ? "" : ", travel " + number_text(way, 3) + " m") +
            ", " + number_text(result.clip.duration(), 3) + " s"},
       {"feet", planted_text(result.feet)}};
-  result.doubts = as_warnings(result.check.faults);
-  if (beyond >= kMinPathLength) {
-    result.doubts.push_back({0, 0,
-                             "the motion leaves the end of the path and goes straight on for " +
-                                 number_text(beyond, 2) +
-                                 " m: its own path is longer; use a longer path or " +
-                                 RETARGET_OPTION("keep") " time or speed"});
-  }
   const bool fits_stride = options.keep != PathKeep::kStride &&
                            result.source.path.length() < path.length() + kMinPathLength;
-  for (Warning& doubt : doubts_about(result.feet, fits_stride)) {
-    result.doubts.push_back(std::move(doubt));
-  }
+  result.doubts = doubts_about(result, beyond, fits_stride);
   return result;
 }
 

@@ -5,7 +5,6 @@ import shutil
 import unittest
 
 from motion_formats import FormatsTest
-from optional_numpy import numpy as np
 from tool import SOURCE, sample
 
 ROBOTS = sorted(file.parent.name for file in [*SOURCE.glob("robots/*/robot.json"),

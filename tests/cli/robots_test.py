@@ -2,9 +2,7 @@
 
 import json
 import re
-import shutil
 import unittest
-import zipfile
 
 from pages import data_of
 from tool import SOURCE, ToolTest, read_rows, sample, short_clip, unwrapped
@@ -59,63 +57,6 @@ class Robots(ToolTest):
         self.assertEqual(len(read_rows(rows.stdout)[0]), 7 + 22)
         self.assert_fails(self.run_tool("robots", "add", "mine", "--model", "mine.xml"), 2,
                           "--force")
-
-    def write_torso(self, place="pos='0 0 0.8'", column=""):
-        """An upper body on a stand, which may have a column."""
-        limb = ("<body name='{0}_upper' pos='0 {1} 0.4'><joint name='{0}_pitch' axis='0 1 0'/>"
-                "<joint name='{0}_roll' axis='1 0 0'/><joint name='{0}_yaw' axis='0 0 1'/>"
-                "<body name='{0}_fore' pos='0 0 -0.25'><joint name='{0}_elbow' axis='0 1 0' range='-2.5 0.1'/>"
-                "<body name='{0}_hand' pos='0 0 -0.25'><joint name='{0}_wrist' axis='0 0 1'/>"
-                "<geom size='0.03' mass='0.3'/></body><geom size='0.03' mass='1'/></body><geom size='0.04' mass='1'/></body>")
-        self.write("torso.xml", "<mujoco><compiler angle='radian'/><default><joint range='-2.8 2.8'/></default><worldbody>"
-                   f"<body name='stand' {place}><geom size='0.1' mass='9'/>{column}<body name='torso'>"
-                   "<joint name='waist' axis='0 0 1' range='-1 1'/><geom size='0.1' mass='9'/>" +
-                   limb.format("left", 0.2) + limb.format("right", -0.2) + "</body></body></worldbody></mujoco>")
-
-    def test_an_upper_body_with_a_fixed_base(self):
-        self.write_torso()
-        refused = self.run_tool("robots", "add", "torso", "--model", "torso.xml")
-        self.assert_fails(refused, 4, "--base fixed")
-        self.assert_done(self.run_tool("robots", "add", "torso", "--model", "torso.xml", "--base", "fixed"))
-        self.assertIn("0 errors", self.output_of("check", "torso"))
-        bare = ("--robot-xml", "torso.xml", "--base", "fixed", "--ik-config", "torso/ik.json")
-        for robot in (("--robot", "torso"), bare):
-            for method in ("fit", "gmr"):
-                run = self.run_tool("--bvh", sample("walk"), "--frames", ":60", *robot, "--method", method,
-                                    "--report", "r.json", "-o", "x.csv")
-                self.assert_done(run)
-                rows = read_rows((self.folder / "x.csv").read_text())
-                self.assertEqual({tuple(row[:7]) for row in rows}, {(0, 0, 0.8, 0, 0, 0, 1)})
-                motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
-                self.assertFalse([name for name in motion if name.startswith(("float", "stance", "body_pen"))])
-                self.assertLess(motion["limb_angle_deg"][0], 8)
-        # In a robot with legs and a fixed base, the path of the feet has no effect.
-        for method in ("fit", "gmr"):
-            held = self.run_tool("--bvh", sample("walk"), "--frames", ":60", "--robot", "g1", "--base", "fixed",
-                                 "--method", method, "-o", "-")
-            self.assert_done(held)
-            self.assertEqual({tuple(row[:7]) for row in read_rows(held.stdout)}, {(0, 0, 0.793, 0, 0, 0, 1)})
-
-    def test_motions_of_a_fixed_base_can_be_read_back(self):
-        """The pose of the base determines the order of its quaternion; its height does not determine the unit."""
-        for place in ("pos='0 0 0.8'", "pos='0 0 0'", "pos='0.3 0.1 9' quat='0.8 0 0 0.6'",
-                      "pos='0 0 1' quat='0.995 0 0.0998 0'", "pos='0 0 0.8' quat='0 0 0 1'"):
-            with self.subTest(place=place):
-                self.write_torso(place, "<geom type='capsule' fromto='0 0 -0.1 0 0 -0.9' size='0.05' mass='1'/>")
-                self.assert_done(self.run_tool("robots", "add", "torso", "--model", "torso.xml", "--base", "fixed",
-                                               "--force"))
-                made = self.run_tool(sample("wave"), "torso", "-o", "x.csv")
-                self.assert_done(made)
-                for order in ("xyzw", "wxyz"):
-                    self.assert_done(self.run_tool("convert", "x.csv", "y.csv", "--robot", "torso", "--csv-quat",
-                                                   order, "--source-quat", "xyzw"))
-                    read = self.run_tool("convert", "y.csv", "z.csv", "--robot", "torso")
-                    self.assert_done(read)
-                    self.assertIn(f"quaternion {order}", read.stderr)
-                    self.assertEqual((self.folder / "z.csv").read_bytes(), (self.folder / "x.csv").read_bytes())
-                for command in (("evaluate", "y.csv", "--bvh", sample("wave")),
-                                ("view", "y.csv", "-o", "x.html")):
-                    self.assert_done(self.run_tool(*command, "--robot", "torso"))
 
     def test_bodies_that_overlap_by_the_model_itself(self):
         """They are named wherever the model is used, and in the new robot's list."""
@@ -430,110 +371,6 @@ class Robots(ToolTest):
         self.assertRegex(messages, r"and [0-9]+ more")
         decisions = (self.folder / "thick/decisions.md").read_text()
         self.assertGreater(decisions.split("## Overlaps")[1].count(" overlap "), 8)
-
-
-class RobotsThatAreNotInstalled(ToolTest):
-    """A data folder like that of packages: some known robots are not installed."""
-
-    def setUp(self):
-        super().setUp()
-        self.data = self.folder / "share"
-        shutil.copytree(SOURCE / "robots", self.data / "robots")
-        shutil.copytree(SOURCE / "configs", self.data / "configs")
-        shutil.rmtree(self.data / "robots/unverified")
-        shutil.rmtree(self.data / "robots/booster_t1")
-
-    def run_here(self, *arguments, **variables):
-        return self.run_tool(*arguments, "--data-dir", self.data, env=self.tool_environment(**variables))
-
-    def move(self, robot, *arguments):
-        return self.run_here(sample("wave"), robot, "--frames", ":30", "-o", "x.csv", *arguments)
-
-    def test_a_full_name_is_not_completed_to_another_robot(self):
-        for robot in ("booster_t1", "Booster-T1", "t1"):
-            result = self.move(robot)
-            self.assert_fails(result, 4, "the robot booster_t1 is not installed",
-                              "retarget robots install booster_t1 --source SOURCE")
-        self.assert_fails(self.move("booster_k1"), 4, "its maker states no licence")
-        # The robot may precede the motion.
-        result = self.run_here("booster_t1", sample("wave"), "-o", "x.csv")
-        self.assert_fails(result, 4, "the robot booster_t1 is not installed")
-        self.assert_fails(self.move("booster"), 4, "booster_k1 (not installed)", "booster_t1_29dof")
-        self.assertFalse((self.folder / "x.csv").exists())
-
-    def test_a_completed_name_is_shown(self):
-        self.assertIn('robot    "g1" is unitree_g1\n', self.move("g1").stderr)
-        self.assertNotIn(" is unitree_g1", self.move("unitree_g1").stderr)
-
-    def test_the_list_names_them(self):
-        listed = json.loads(self.run_here("robots", "list", "--json").stdout)
-        names = sorted(p.parent.name for p in SOURCE.glob("robots/**/model.xml"))
-        self.assertEqual([robot["name"] for robot in listed], names)
-        left_out = {robot["name"] for robot in listed if not robot["installed"]}
-        unverified = {p.name for p in (SOURCE / "robots/unverified").iterdir()}
-        self.assertEqual(left_out, unverified | {"booster_t1"})
-        lines = self.run_here("robots", "list").stdout.splitlines()
-        self.assertEqual({line.split()[0] for line in lines if line.endswith("(not installed)")}, left_out)
-
-    def assert_moves_as_in_the_source(self, robot, *arguments):
-        self.assert_done(self.move(robot, *arguments))
-        found = (self.folder / "x.csv").read_bytes()
-        self.assert_done(self.run_tool(sample("wave"), robot, "--frames", ":30", "-o", "x.csv", *arguments))
-        self.assertEqual(found, (self.folder / "x.csv").read_bytes())
-
-    def test_one_is_installed_from_the_source_tree(self):
-        installed = self.run_here("robots", "install", "booster_k1", "booster_t1", "--source", SOURCE)
-        self.assert_done(installed)
-        self.assertIn("booster_k1: the maker states none", installed.stderr)
-        self.assertNotIn("booster_t1: its maker", installed.stderr)
-        own = self.folder / "data home/retarget/robots"
-        for folder, source in ((own / "booster_t1", "robots/booster_t1"),
-                               (own / "unverified/booster_k1", "robots/unverified/booster_k1")):
-            for file in (SOURCE / source).iterdir():
-                self.assertEqual((folder / file.name).read_bytes(), file.read_bytes())
-        self.assert_moves_as_in_the_source("booster_k1")
-        # With the published configuration, like a robot of the data folder.
-        self.assert_moves_as_in_the_source("t1", "--method", "gmr")
-        again = self.run_here("robots", "install", "booster_k1", "--source", SOURCE)
-        self.assert_fails(again, 2, "already exists", "--force")
-        self.assert_done(self.run_here("robots", "install", "booster_k1", "--source", SOURCE, "--force"))
-
-    def test_all_are_installed_from_an_archive(self):
-        with zipfile.ZipFile(self.folder / "robots.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-            for file in sorted((SOURCE / "robots/unverified").glob("*/*")):
-                archive.write(file, f"retarget-1/{file.relative_to(SOURCE)}")
-            archive.writestr("retarget-1/README.md", "text")
-        self.assert_done(self.run_here("robots", "install", "--source", "robots.zip"))
-        own = self.folder / "data home/retarget/robots/unverified"
-        self.assertEqual({p.name for p in own.iterdir()},
-                         {p.name for p in (SOURCE / "robots/unverified").iterdir()})
-        self.assert_moves_as_in_the_source("kuavo")
-        done = self.run_here("robots", "install", "--source", "robots.zip")
-        self.assert_done(done)
-        self.assertIn("are installed", done.stderr)
-        # Into a chosen folder.
-        (self.folder / "mine").mkdir()
-        self.assert_done(self.run_here("robots", "install", "limx_oli", "--source", "robots.zip", "-o", "mine"))
-        self.assertTrue((self.folder / "mine/limx_oli/model.xml").is_file())
-
-    def test_failed_installs_leave_no_files(self):
-        own = self.folder / "data home"
-        self.assert_fails(self.run_here("robots", "install", "booster_k2", "--source", SOURCE), 2,
-                          'did you mean "booster_k1"?')
-        self.write("text.txt", "text")
-        self.assert_fails(self.run_here("robots", "install", "--source", "text.txt"), 2, "neither a folder nor a ZIP")
-        self.write("empty/readme", "")
-        self.assert_fails(self.run_here("robots", "install", "--source", "empty"), 2, "no robots in it")
-        self.write("bad/robots/bad/model.xml", "<mujoco>")
-        self.assert_fails(self.run_here("robots", "install", "--source", "bad"), 4, "model.xml")
-        self.write("bad/robots/bad/model.xml", K1.read_bytes())
-        self.write("bad/robots/bad/robot.json", K1.with_name("robot.json").read_bytes())
-        self.assert_fails(self.run_here("robots", "install", "--source", "bad"), 4, 'names the robot "booster_k1"')
-        with zipfile.ZipFile(self.folder / "evil.zip", "w") as archive:
-            archive.writestr("robots/../model.xml", K1.read_bytes())
-            archive.writestr("robots/x/../../y/model.xml", K1.read_bytes())
-        self.assert_fails(self.run_here("robots", "install", "--source", "evil.zip"), 2)
-        self.assertFalse([file for file in own.rglob("*") if file.is_file()])
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import re
 import resource
 import unittest
 
-from formats_test import BREADTH_FIRST, G1
+from formats_test import BREADTH_FIRST
 from motion_formats import GOLDEN, FormatsTest
 from tool import SHARED, needs_posix, needs_shared, sample
 from torch_writer import torch_bytes

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "edit/transfer.h"
 #include "formats/bvh/read_bvh.h"
@@ -11,6 +13,8 @@
 #include "human/skeleton/recognise.h"
 #include "retarget/bvh.h"
 #include "retarget/clip.h"
+#include "retarget/edit_paths.h"
+#include "support/angles.h"
 #include "support/recorded_clip.h"
 
 namespace retarget::edit_test {
@@ -72,6 +76,14 @@ inline double largest_distance(const Clip& a, const Clip& b, double metres_per_u
 /// The clip after a round trip through BVH text.
 inline Clip through_bvh(const Clip& clip) {
   return read_bvh(format_bvh(clip).value(), "written").value().clip;
+}
+
+inline PathMotion path_of(const EditSample& sample) {
+  return fit_path(sample.clip, sample.calibration).value();
+}
+
+inline double angle_between(double a, double b) {
+  return std::abs(std::remainder(a - b, 2.0 * kPi));
 }
 
 }  // namespace retarget::edit_test

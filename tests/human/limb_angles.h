@@ -65,16 +65,4 @@ inline std::vector<LimbAngle> limb_angles(const HumanClip& human) {
   return angles;
 }
 
-/// Largest angle in degrees, over frames and bones, between the rotations of two humans.
-inline double largest_turn(const HumanClip& a, const HumanClip& b) {
-  double largest = 0.0;
-  for (std::size_t frame = 0; frame < a.world_from_bone.size(); ++frame) {
-    for (const Bone bone : kAllBones) {
-      const auto& turned = b.world_from_bone[frame][bone].rotation;
-      largest = std::max(largest, a.world_from_bone[frame][bone].rotation.angularDistance(turned));
-    }
-  }
-  return largest * 180.0 / M_PI;
-}
-
 }  // namespace retarget
