@@ -123,7 +123,7 @@ class ConfigurationChoice(ToolTest):
         model.write_text(model.read_text().replace("left_knee_link", "l_knee"))
         result = self.run_tool(*evaluate)
         self.assert_fails(result, 4, 'no retargeting configuration for the robot "unitree_g1"',
-                          "the published one of that name has other bodies", "left_knee_link", "--ik-config")
+                          "the published one of that name does not fit", "left_knee_link", "--ik-config")
 
     def test_missing_files_are_errors(self):
         self.assert_fails(self.retarget("--ik-config", "published", robot="unitree_h1"), 4,

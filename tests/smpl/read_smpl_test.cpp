@@ -287,7 +287,7 @@ TEST(ReadSmpl, RoundedRatesAreOneRate) {
     EXPECT_EQ(motion.clip.rate(), (FrameRate{30, 1})) << seconds;
     EXPECT_THAT(warned(motion), Not(HasSubstr("ignored"))) << seconds;
   }
-  for (const double seconds : {0.005, 1.0 / 60.0, 0.035, 0.032}) {
+  for (const double seconds : {0.005, 1.0 / 60.0, 0.035, 0.032, 0.04}) {
     const SmplMotion motion = with_rates("frame_time", 30, seconds);
     EXPECT_EQ(motion.clip.rate(), (FrameRate{30, 1})) << seconds;
     EXPECT_THAT(warned(motion), HasSubstr("frame_time is ignored: it gives ")) << seconds;

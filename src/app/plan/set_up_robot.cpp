@@ -143,9 +143,9 @@ namespace {
 // The error for a published configuration with the name of a robot, but with other bodies.
 Failure other_robot(Error error, const Robot& robot) {
   error.message = fmt::format(
-      "no retargeting configuration for the robot \"{}\": the published one of that name has other "
-      "bodies",
-      robot.name());
+      "no retargeting configuration for the robot \"{}\", and the published one of that name does "
+      "not fit: {}",
+      robot.name(), error.message);
   error.hint = OPTION("ik-config") " FILE uses your own retargeting configuration; retarget robots "
                "add creates a robot with one";
   return failure(std::move(error));

@@ -81,7 +81,7 @@ class PlacesReader {
     }
     layout_ = *layout;
     values_ = array_.numbers();
-    const auto settled = is_kimodo(file_) ? layout : settle_people(layout_, values_, chosen());
+    const auto settled = is_kimodo(file_) ? layout : settle_people(layout_, values_);
     if (!settled) {
       return file_.array_failure(
           name_,

@@ -80,7 +80,10 @@ Result<std::optional<StatedRate>> read_time_array(const ArraySource& file, const
     return file.array_failure(name, fmt::format("expected seconds per frame, found {:g}", seconds),
                               std::string(kRateHint));
   }
-  const double error = rounding_of(seconds);
+  // The time of a whole rate is exact.
+  const bool is_whole = same_rate(frame_rate_from_fps(std::round(1.0 / seconds)),
+                                  frame_rate_from_frame_time(seconds));
+  const double error = is_whole ? 0.0 : rounding_of(seconds);
   return StatedRate{name, frame_rate_from_frame_time(seconds), 1.0 / (seconds + error),
                     1.0 / (seconds - error)};
 }

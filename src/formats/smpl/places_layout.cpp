@@ -73,7 +73,7 @@ struct Steps {
 
 bool is_absent(const double* point) {
   const Eigen::Map<const Eigen::Vector3d> place(point);
-  return !place.allFinite() || place.isZero(0.0);
+  return !place.allFinite() || (place.array() == place.x()).all();
 }
 
 // Steps along one of the first two axes of (a, b, joints, 3); empty without present neighbours.
@@ -146,7 +146,7 @@ std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
 }
 
 std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
-                                          const std::vector<double>& values, std::size_t chosen) {
+                                          const std::vector<double>& values) {
   constexpr std::size_t kMostPeople = 10;
   constexpr double kMuchLess = 0.5;
   if (layout.frames_last || layout.samples <= layout.frames) return layout;
@@ -158,11 +158,11 @@ std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
   const auto second = steps_along(values, layout, false);
   // Copies of one motion do not move, and an absent person has no present neighbour.
   const bool first_moves = first && first->most > 0.0, second_moves = second && second->most > 0.0;
-  if (first_moves != second_moves) return first_moves ? people : layout;
+  if (first_moves && !second_moves) return people;
   if (first_moves && first->usual < kMuchLess * second->usual) return people;
   if (first_moves && second->usual < kMuchLess * first->usual) return layout;
   const bool may_be_people = layout.frames <= kMostPeople && layout.samples > kMostPeople;
-  return may_be_people && chosen <= people.samples ? std::nullopt : std::optional(layout);
+  return may_be_people ? std::nullopt : std::optional(layout);
 }
 
 bool is_absent_sample(const PlacesLayout& layout, std::size_t sample,

@@ -40,12 +40,10 @@ struct PlacesLayout {
 /// Decides whether samples are motions, or people of a detector of key points, whose arrays are
 /// (frames, people, joints, 3). Joints move little from frame to frame, compared with the distances
 /// of people or motions, but they move.
-/// @param chosen  number of the sample that the user chose, from 1; 0: none.
-/// @return nothing if neither the positions nor `chosen` decide between a few people in many frames
-///   and many motions of a few frames
+/// @return nothing if the positions do not decide between a few people in many frames and many
+///   motions of a few frames
 [[nodiscard]] std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
-                                                        const std::vector<double>& values,
-                                                        std::size_t chosen);
+                                                        const std::vector<double>& values);
 
 /// Whether all joints of a sample are NaN or at the origin in all frames.
 [[nodiscard]] bool is_absent_sample(const PlacesLayout& layout, std::size_t sample,

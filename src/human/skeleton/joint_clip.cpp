@@ -142,7 +142,7 @@ class RotationMaker {
     for (const Side side : kSides) {
       turn_hand(side, human_from_file, world);
       if (!calibration) continue;
-      level_foot_without_toes(side, human_from_file, world);
+      level_foot_without_toes(side, raw.rate(), human_from_file, world);
       bend_toes(side, raw.rate(), human_from_file, world);
     }
     return world;
@@ -251,25 +251,29 @@ class RotationMaker {
     }
   }
 
-  // Removes the tilt that such a foot has from its shin. Feet below shins that are not far from the
-  // vertical are level in most stances; the feet of kneeling and lying bodies turn with their shins.
-  void level_foot_without_toes(Side side, const Matrix3d& human_from_file,
+  // Removes the tilt that such a foot has from its shin while it may stand: its ankle rests, and the
+  // shin is not far from the vertical. Other feet turn with their shins.
+  void level_foot_without_toes(Side side, FrameRate rate, const Matrix3d& human_from_file,
                                WorldRotations& world) const {
     constexpr double kStands = 0.6, kLies = 1.05;  // Tilt of the shin, rad.
     const Bone bone = side_bone(side, kFoot);
     const int foot = tree_.joint_of_bone[bone];
     if (foot < 0 || tree_.joint_of_bone[side_bone(side, kToe)] >= 0) return;
     const Vector3d up = Vector3d::UnitZ();
-    for (Matrix3d& rotation : world[foot]) {
+    for (int frame = 0; frame < tree_.frame_count(); ++frame) {
+      const double leg = leg_length(side, frame);
+      if (!(leg > 0.0)) continue;
+      Matrix3d& rotation = world[foot][frame];
       // Relative to the T-pose, in the axes of the canonical human.
       const Matrix3d turn = human_from_file * rotation * human_from_file.transpose();
       const Vector3d tilted = turn * up;
       const double tilt = portable::atan2(up.cross(tilted).norm(), up.dot(tilted));
-      const double kept = std::clamp((tilt - kStands) / (kLies - kStands), 0.0, 1.0);
-      if (kept == 1.0 || tilt == 0.0) continue;
+      const double upright = std::clamp((kLies - tilt) / (kLies - kStands), 0.0, 1.0);
+      const double removed = upright * rests(foot, frame, rate, leg) * tilt;
+      if (removed == 0.0) continue;
       const Vector3d axis = up.cross(tilted).normalized();
-      rotation = human_from_file.transpose() * exp_so3((kept - 1.0) * tilt * axis) *
-                 human_from_file * rotation;
+      rotation =
+          human_from_file.transpose() * exp_so3(-removed * axis) * human_from_file * rotation;
     }
   }
 
@@ -283,31 +287,41 @@ class RotationMaker {
     return way * rate.fps() / (leg * (last - first));
   }
 
+  // 1 for a resting joint, 0 for a swinging one.
+  [[nodiscard]] double rests(int joint, int frame, FrameRate rate, double leg) const {
+    constexpr double kRests = 0.5, kSwings = 1.5;  // Legs/s.
+    return std::clamp((kSwings - speed(joint, frame, rate, leg)) / (kSwings - kRests), 0.0, 1.0);
+  }
+
+  // Of the bones of a leg in a frame; 0 if a joint is missing.
+  [[nodiscard]] double leg_length(Side side, int frame) const {
+    const int hip = tree_.joint_of_bone[side_bone(side, kUpLeg)];
+    const int knee = tree_.joint_of_bone[side_bone(side, kLeg)];
+    const int foot = tree_.joint_of_bone[side_bone(side, kFoot)];
+    if (hip < 0 || knee < 0 || foot < 0) return 0.0;
+    return (tree_.tracks[hip][frame] - tree_.tracks[knee][frame]).norm() +
+           (tree_.tracks[knee][frame] - tree_.tracks[foot][frame]).norm();
+  }
+
   // Levels the toes if the ball of the foot rests while the heel is raised.
   void bend_toes(Side side, FrameRate rate, const Matrix3d& human_from_file,
                  WorldRotations& world) const {
     const Bone bone = side_bone(side, kToe);
-    const int toe = tree_.joint_of_bone[bone], foot = tree_.joint_of_bone[side_bone(side, kFoot)];
-    const int hip = tree_.joint_of_bone[side_bone(side, kUpLeg)];
-    const int knee = tree_.joint_of_bone[side_bone(side, kLeg)];
-    if (toe < 0 || foot < 0 || hip < 0 || knee < 0) return;
-    // Speeds of a resting and a swinging ball (legs/s); the largest bend, and the slope of the foot
-    // above which the toes do not bend (rad).
-    constexpr double kRests = 0.5, kSwings = 1.5, kMost = 0.8, kFar = 1.5;
+    const int toe = tree_.joint_of_bone[bone];
+    if (toe < 0) return;
+    // The largest bend, and the slope of the foot above which the toes do not bend (rad).
+    constexpr double kMost = 0.8, kFar = 1.5;
     const Matrix3d bone_from_file = canonical_t_pose(bone).transpose() * human_from_file;
     const Vector3d up = human_from_file.row(2);
     for (int frame = 0; frame < tree_.frame_count(); ++frame) {
-      const double leg = (tree_.tracks[hip][frame] - tree_.tracks[knee][frame]).norm() +
-                         (tree_.tracks[knee][frame] - tree_.tracks[foot][frame]).norm();
+      const double leg = leg_length(side, frame);
       if (!(leg > 0.0)) continue;
       const Matrix3d world_from_bone = world[toe][frame] * bone_from_file.transpose();
       const double down =
           portable::atan2(-world_from_bone.col(0).dot(up), world_from_bone.col(1).dot(up));
-      const double rests =
-          std::clamp((kSwings - speed(toe, frame, rate, leg)) / (kSwings - kRests), 0.0, 1.0);
       const double bends = std::clamp((kFar - down) / (kFar - kMost), 0.0, 1.0);
       if (!(down > 0.0)) continue;
-      const double angle = rests * bends * std::min(down, kMost);
+      const double angle = rests(toe, frame, rate, leg) * bends * std::min(down, kMost);
       world[toe][frame] = world_from_bone * exp_so3(angle * Vector3d::UnitZ()) * bone_from_file;
     }
   }
@@ -374,6 +388,13 @@ Clip with_median_offsets(const Clip& clip) {
   return made;
 }
 
+bool has_feet_without_toes(const JointTree& tree) {
+  return std::ranges::any_of(kSides, [&](Side side) {
+    return tree.joint_of_bone[side_bone(side, kFoot)] >= 0 &&
+           tree.joint_of_bone[side_bone(side, kToe)] < 0;
+  });
+}
+
 std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::string>& unknown) {
   std::vector<std::string> texts;
   if (!found.order.empty()) {
@@ -386,8 +407,10 @@ std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::
   }
   texts.push_back(fmt::format(
       "joint positions without rotations: rotations were computed from limb directions "
-      "and bending planes; the rotation of {} about {} is unknown and follows neighbouring joints",
-      list_names(unknown), unknown.size() == 1 ? "itself" : "themselves"));
+      "and bending planes; the rotation of {} about {} is unknown and follows neighbouring "
+      "joints{}",
+      list_names(unknown), unknown.size() == 1 ? "itself" : "themselves",
+      has_feet_without_toes(found.tree) ? ", except feet that can stand, which are level" : ""));
   constexpr double kSteadyLength = 0.02;
   if (const double change = limb_length_change(found.tree); change > kSteadyLength) {
     texts.push_back(
