@@ -372,8 +372,10 @@ Result<ServeSummary> Server::run() {
   const bool is_pipe = from_.transport == Transport::kStdin;
   const auto used = pipeline_->check_used(is_pipe ? "stdin" : from_.text(),
                                           (*find_stream_format(from_.format))->name);
+  // An address without a sender is not a fault; a pipe without packets is.
+  const bool is_fed = is_pipe || pipeline_->packets().packets > 0;
   const bool is_interrupted = control_.is_stopped && control_.is_stopped();
-  if (!used && !is_interrupted) return failure(used.error());
+  if (!used && is_fed && !is_interrupted) return failure(used.error());
   if (!used) summary_.unused = used.error();
   summary_.outputs = outputs_.statistics();
   summary_.live = pipeline_->statistics();
