@@ -1,4 +1,4 @@
-"""`retarget evaluate` and --report on captured motions: held against the independent judge and published figures."""
+"""`retarget evaluate` and --report on captured motions, compared with the independent judge and published figures."""
 
 import json
 import os

@@ -325,7 +325,7 @@ class MotionReader:
         motion = retarget.load_motion(source, self.robot, source_fps=self._rate(name, source),
                                       **options)
         # The hash is of other bytes than the motion's if the file was replaced in between. A copy of
-        # the same bytes is no change.
+        # the same bytes is not a change.
         if is_hashed and _version(file) != before and not self._has_recorded_bytes(name, file):
             raise InputError(f"{file}: changed while it was read", file=os.fspath(source))
         return motion

@@ -140,7 +140,7 @@ bool is_config_by_name(const std::string& config, const LoadedRobot& robot,
 
 namespace {
 
-// The error for a published configuration with the name of a robot, but with other bodies.
+// The error for a published configuration that has the name of a robot but does not fit it.
 Failure other_robot(Error error, const Robot& robot) {
   error.message = fmt::format(
       "no retargeting configuration for the robot \"{}\", and the published one of that name does "

@@ -78,6 +78,10 @@ struct JointOrder {
 /// Orders of Kimodo's files, which also have joint rotations. Their joint counts are distinct.
 [[nodiscard]] std::span<const JointOrder> kimodo_orders();
 
+/// Whether the coordinates of a point are finite and not all equal. Programs write 0 or another
+/// number three times for a lost point.
+[[nodiscard]] bool is_tracked(const Eigen::Vector3d& point);
+
 /// Longest gap that bridge_lost_points() fills, frames.
 inline constexpr int kLongestBridge = 30;
 

@@ -145,6 +145,10 @@ std::span<const JointOrder> kimodo_orders() {
   return kKimodo;
 }
 
+bool is_tracked(const Eigen::Vector3d& point) {
+  return point.allFinite() && point != Eigen::Vector3d::Constant(point.x());
+}
+
 namespace {
 
 using Eigen::Vector3d;
@@ -164,17 +168,13 @@ bool leaves_markers(const JointMotion& motion, int joint) {
   return kShare * marked < motion.frame_count;
 }
 
-bool is_away(const Vector3d& place) {
-  return place.allFinite() && !is_marker(place);
-}
-
 // The frame in which most joints are tracked.
 int fullest_frame(const JointMotion& motion) {
   int fullest = 0, most = -1;
   for (int frame = 0; frame < motion.frame_count; ++frame) {
     int away = 0;
     for (int joint = 0; joint < motion.joint_count; ++joint) {
-      away += is_away(motion.position(frame, joint)) ? 1 : 0;
+      away += is_tracked(motion.position(frame, joint)) ? 1 : 0;
     }
     if (away <= most) continue;
     fullest = frame;
@@ -192,7 +192,7 @@ bool coincide(const JointMotion& motion, int first, int second, int start) {
     const int frame = i < motion.frame_count - start ? start + i : start + i - motion.frame_count;
     const Vector3d& a = motion.position(frame, first);
     const Vector3d& b = motion.position(frame, second);
-    if (is_away(a) && is_away(b)) return (a - b).norm() < kSamePlace;
+    if (is_tracked(a) && is_tracked(b)) return (a - b).norm() < kSamePlace;
   }
   return false;
 }

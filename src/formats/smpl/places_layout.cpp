@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <numeric>
@@ -71,11 +70,6 @@ struct Steps {
   double usual, most;
 };
 
-bool is_absent(const double* point) {
-  const Eigen::Map<const Eigen::Vector3d> place(point);
-  return !place.allFinite() || (place.array() == place.x()).all();
-}
-
 // Steps along one of the first two axes of (a, b, joints, 3); empty without present neighbours.
 std::optional<Steps> steps_along(const std::vector<double>& values, const PlacesLayout& layout,
                                  bool first_axis) {
@@ -87,10 +81,10 @@ std::optional<Steps> steps_along(const std::vector<double>& values, const Places
   std::vector<double> steps;
   for (std::size_t at = 0; at < values.size(); at += 3 * stride) {
     const bool is_last = first_axis ? at + reach >= values.size() : at % block + reach >= block;
-    if (is_last || is_absent(&values[at]) || is_absent(&values[at + reach])) continue;
-    const double step = (Eigen::Map<const Eigen::Vector3d>(&values[at + reach]) -
-                         Eigen::Map<const Eigen::Vector3d>(&values[at]))
-                            .norm();
+    if (is_last) continue;
+    const Eigen::Vector3d from(&values[at]), to(&values[at + reach]);
+    if (!is_tracked(from) || !is_tracked(to)) continue;
+    const double step = (to - from).norm();
     if (std::isfinite(step)) steps.push_back(step);
   }
   if (steps.empty()) return std::nullopt;
@@ -158,9 +152,10 @@ std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
   const auto second = steps_along(values, layout, false);
   // Copies of one motion do not move, and an absent person has no present neighbour.
   const bool first_moves = first && first->most > 0.0, second_moves = second && second->most > 0.0;
-  if (first_moves && !second_moves) return people;
-  if (first_moves && first->usual < kMuchLess * second->usual) return people;
-  if (first_moves && second->usual < kMuchLess * first->usual) return layout;
+  if (first_moves) {
+    if (!second_moves || first->usual < kMuchLess * second->usual) return people;
+    if (second->usual < kMuchLess * first->usual) return layout;
+  }
   const bool may_be_people = layout.frames <= kMostPeople && layout.samples > kMostPeople;
   return may_be_people ? std::nullopt : std::optional(layout);
 }
@@ -172,8 +167,7 @@ bool is_absent_sample(const PlacesLayout& layout, std::size_t sample,
       const auto value = [&](std::size_t axis) {
         return values[layout.index(sample, frame, joint, axis)];
       };
-      const std::array<double, 3> point = {value(0), value(1), value(2)};
-      if (!is_absent(point.data())) return false;
+      if (is_tracked({value(0), value(1), value(2)})) return false;
     }
   }
   return true;

@@ -45,7 +45,7 @@ struct PlacesLayout {
 [[nodiscard]] std::optional<PlacesLayout> settle_people(const PlacesLayout& layout,
                                                         const std::vector<double>& values);
 
-/// Whether all joints of a sample are NaN or at the origin in all frames.
+/// Whether no joint of a sample is tracked in any frame.
 [[nodiscard]] bool is_absent_sample(const PlacesLayout& layout, std::size_t sample,
                                     const std::vector<double>& values);
 

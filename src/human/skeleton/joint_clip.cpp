@@ -93,6 +93,12 @@ Result<FoundTree> tree_of_known_order(const JointMotion& motion, const std::stri
       hint);
 }
 
+// The foot's joint if the foot has no toes, otherwise -1.
+int foot_without_toes(const JointTree& tree, Side side) {
+  const bool has_toes = tree.joint_of_bone[side_bone(side, kToe)] >= 0;
+  return has_toes ? -1 : tree.joint_of_bone[side_bone(side, kFoot)];
+}
+
 // World rotations of all joints; each joint has one per frame.
 using WorldRotations = std::vector<std::vector<Matrix3d>>;
 
@@ -158,7 +164,7 @@ class RotationMaker {
     };
     for (const Side side : kSides) {
       if (!knuckles(side)) add(side_bone(side, kHand));
-      if (tree_.joint_of_bone[side_bone(side, kToe)] < 0) add(side_bone(side, kFoot));
+      if (foot_without_toes(tree_, side) >= 0) add(side_bone(side, kFoot));
     }
     add(Bone::kHead);
     return names;
@@ -251,29 +257,26 @@ class RotationMaker {
     }
   }
 
-  // Removes the tilt that such a foot has from its shin while it may stand: its ankle rests, and the
-  // shin is not far from the vertical. Other feet turn with their shins.
+  // A foot without toes turns with its shin. Removes its tilt while it may stand: its ankle rests,
+  // and the shin is not far from the vertical.
   void level_foot_without_toes(Side side, FrameRate rate, const Matrix3d& human_from_file,
                                WorldRotations& world) const {
     constexpr double kStands = 0.6, kLies = 1.05;  // Tilt of the shin, rad.
-    const Bone bone = side_bone(side, kFoot);
-    const int foot = tree_.joint_of_bone[bone];
-    if (foot < 0 || tree_.joint_of_bone[side_bone(side, kToe)] >= 0) return;
-    const Vector3d up = Vector3d::UnitZ();
+    const int foot = foot_without_toes(tree_, side);
+    if (foot < 0) return;
+    const Vector3d up = human_from_file.row(2);
     for (int frame = 0; frame < tree_.frame_count(); ++frame) {
       const double leg = leg_length(side, frame);
       if (!(leg > 0.0)) continue;
       Matrix3d& rotation = world[foot][frame];
-      // Relative to the T-pose, in the axes of the canonical human.
-      const Matrix3d turn = human_from_file * rotation * human_from_file.transpose();
-      const Vector3d tilted = turn * up;
+      // Rotations are identity in the T-pose, in which feet are level.
+      const Vector3d tilted = rotation * up;
       const double tilt = portable::atan2(up.cross(tilted).norm(), up.dot(tilted));
       const double upright = std::clamp((kLies - tilt) / (kLies - kStands), 0.0, 1.0);
       const double removed = upright * rests(foot, frame, rate, leg) * tilt;
       if (removed == 0.0) continue;
       const Vector3d axis = up.cross(tilted).normalized();
-      rotation =
-          human_from_file.transpose() * exp_so3(-removed * axis) * human_from_file * rotation;
+      rotation = exp_so3(-removed * axis) * rotation;
     }
   }
 
@@ -388,13 +391,6 @@ Clip with_median_offsets(const Clip& clip) {
   return made;
 }
 
-bool has_feet_without_toes(const JointTree& tree) {
-  return std::ranges::any_of(kSides, [&](Side side) {
-    return tree.joint_of_bone[side_bone(side, kFoot)] >= 0 &&
-           tree.joint_of_bone[side_bone(side, kToe)] < 0;
-  });
-}
-
 std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::string>& unknown) {
   std::vector<std::string> texts;
   if (!found.order.empty()) {
@@ -405,12 +401,14 @@ std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::
     texts.push_back(fmt::format("no joints for {}: placed midway between left and right",
                                 list_names(found.tree.made)));
   }
+  const bool has_level_feet = std::ranges::any_of(
+      kSides, [&](Side side) { return foot_without_toes(found.tree, side) >= 0; });
   texts.push_back(fmt::format(
       "joint positions without rotations: rotations were computed from limb directions "
       "and bending planes; the rotation of {} about {} is unknown and follows neighbouring "
       "joints{}",
       list_names(unknown), unknown.size() == 1 ? "itself" : "themselves",
-      has_feet_without_toes(found.tree) ? ", except feet that can stand, which are level" : ""));
+      has_level_feet ? ", except feet that can stand, which are level" : ""));
   constexpr double kSteadyLength = 0.02;
   if (const double change = limb_length_change(found.tree); change > kSteadyLength) {
     texts.push_back(
