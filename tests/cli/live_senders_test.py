@@ -88,6 +88,17 @@ class Connections(SendersTest):
         self.assertLess(longest, 0.8, "the machine is too busy for this test")
         self.assertEqual(packets, (40, 0))
 
+    def test_connects_at_once_while_the_receiver_is_busy(self):
+        process, port = self.listen("-o", "live.csv", transport="tcp")
+        process.send_signal(signal.SIGSTOP)
+        self.addCleanup(process.send_signal, signal.SIGCONT)
+        # The system retries a refused connection after a second.
+        for _ in range(40):
+            connection = socket.create_connection(("127.0.0.1", port), timeout=0.7)
+            self.addCleanup(connection.close)
+        process.send_signal(signal.SIGCONT)
+        self.end(process)
+
     def test_next_sender_replaces_one_that_ends(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         first, second = self.connect(port), None

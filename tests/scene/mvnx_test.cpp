@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <chrono>
 
 #include <cmath>
 #include <string>
@@ -13,6 +12,7 @@
 #include "base/option_name.h"
 #include "formats/containers/file_kind.h"
 #include "retarget/pose.h"
+#include "support/processor_time.h"
 #include "support/value_of.h"
 #include "support/world_poses.h"
 
@@ -140,10 +140,10 @@ TEST(MvnxTest, RejectsImpossibleValues) {
   EXPECT_THAT(read_mvnx(cut, "cut.mvnx", {}).error().message, HasSubstr("broken or cut off"));
   std::string many = "<mvnx";
   for (int i = 0; i < 60'000; ++i) many += " a" + std::to_string(i) + "=\"1\"";
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = processor_time();
   EXPECT_THAT(read_mvnx(many + "/>", "many.mvnx", {}).error().message,
               HasSubstr("more than 100 attributes"));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  EXPECT_LT(processor_time() - begin, 2);
 }
 
 std::string clock_message(const Document& document) {

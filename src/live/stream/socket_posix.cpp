@@ -65,7 +65,6 @@ Descriptor standard_stream(int number) {
 }
 
 Result<Descriptor> bind_socket(const StreamAddress& address) {
-  constexpr int kBacklog = 8;  // Pending connections.
   RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address));
   const bool tcp = address.transport == Transport::kTcp;
   const int yes = 1;
@@ -74,7 +73,7 @@ Result<Descriptor> bind_socket(const StreamAddress& address) {
   if (::bind(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) {
     return socket_failure(address, "cannot bind the port", "is another program listening on it?");
   }
-  if (tcp && ::listen(made.number(), kBacklog) != 0) {
+  if (tcp && ::listen(made.number(), SOMAXCONN) != 0) {
     return socket_failure(address, "cannot accept connections");
   }
   return made;

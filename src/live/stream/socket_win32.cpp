@@ -161,7 +161,6 @@ Descriptor standard_stream(int number) {
 }
 
 Result<Descriptor> bind_socket(const StreamAddress& address) {
-  constexpr int kBacklog = 8;  // Pending connections.
   RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address));
   const bool tcp = address.transport == Transport::kTcp;
   // SO_REUSEADDR of Windows would let another program take the port.
@@ -171,7 +170,7 @@ Result<Descriptor> bind_socket(const StreamAddress& address) {
     socket_failed();
     return socket_failure(address, "cannot bind the port", "is another program listening on it?");
   }
-  if (tcp && ::listen(handle_of(made), kBacklog) != 0) {
+  if (tcp && ::listen(handle_of(made), SOMAXCONN) != 0) {
     socket_failed();
     return socket_failure(address, "cannot accept connections");
   }
