@@ -4,7 +4,8 @@
 #   tools/debian_sources.sh LIST FOLDER
 #
 # LIST has a line per archive: package, file, SHA-256. Every archive is checked before it is unpacked in FOLDER.
-# A private list of packages is used, so that the system's lists do not change.
+# A private list of packages is used, so that the system's lists do not change. A mirror may lack a version that it
+# lists; an older one has the same archive.
 set -euo pipefail
 
 list=$(realpath -- "$1")
@@ -22,7 +23,10 @@ options=(-qq -o "Dir::Etc::sourcelist=$apt/old.list" -o "Dir::Etc::sourceparts=$
 apt-get "${options[@]}" update
 cd -- "$folder"
 grep -v '^#' "$list" | while read -r package file hash; do
-  apt-get "${options[@]}" source --download-only "$package"
+  mapfile -t versions < <(apt-cache "${options[@]}" showsrc "$package" | sed -n 's/^Version: //p' | sort -rVu)
+  for version in "${versions[@]}"; do
+    ! apt-get "${options[@]}" source --download-only "$package=$version" || break
+  done
   echo "$hash  $file" | sha256sum --quiet --check
   tar -xf "$file"
 done
