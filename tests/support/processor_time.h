@@ -14,6 +14,7 @@ inline double processor_time() {
 /// large / small if it is linear.
 template <typename Run>
 double time_growth(const Run& run, int small, int large) {
+  constexpr double kResolution = 0.001;  // Of the clock on Windows, seconds.
   const auto fastest = [&](int size) {
     double seconds = 1e9;
     for (int i = 0; i < 3; ++i) {
@@ -21,7 +22,7 @@ double time_growth(const Run& run, int small, int large) {
       run(size);
       seconds = std::min(seconds, processor_time() - begin);
     }
-    return std::max(seconds, 1e-6);
+    return std::max(seconds, kResolution);
   };
   return fastest(large) / fastest(small);
 }
