@@ -25,7 +25,7 @@ cd -- "$folder"
 grep -v '^#' "$list" | while read -r package file hash; do
   mapfile -t versions < <(apt-cache "${options[@]}" showsrc "$package" | sed -n 's/^Version: //p' | sort -rVu)
   for version in "${versions[@]}"; do
-    ! apt-get "${options[@]}" source --download-only "$package=$version" || break
+    [ -e "$file" ] || apt-get "${options[@]}" source --download-only "$package=$version" || true
   done
   echo "$hash  $file" | sha256sum --quiet --check
   tar -xf "$file"

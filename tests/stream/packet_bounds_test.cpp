@@ -4,16 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdint>
-#include <ctime>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "live/stream/message_cutter.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
+#include "support/processor_time.h"
 
 namespace retarget {
 namespace {
@@ -25,6 +23,7 @@ constexpr std::size_t kDatagram = 65000;  // bytes
 // A packet costs at most as much as this many ordinary objects of a datagram's size, so that
 // sanitizers and slow machines do not matter. One object takes about a millisecond.
 constexpr double kMostObjects = 3.0;
+constexpr int kRuns = 5;
 
 class Counted final : public StreamSink {
  public:
@@ -33,27 +32,17 @@ class Counted final : public StreamSink {
   int skeletons = 0, frames = 0;
 };
 
-// Processor time, the minimum over some packets.
-double milliseconds_of(const std::function<void()>& work) {
-  double least = 1e9;
-  for (int i = 0; i < 5; ++i) {
-    const std::clock_t begin = std::clock();
-    work();
-    least = std::min(least, 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-  }
-  return least;
-}
-
 std::string object_of_members() {
   std::string text = "{\"a\":1";
   for (int i = 0; text.size() < kDatagram; ++i) text += ",\"" + std::to_string(i) + "\":0";
   return text + "}";
 }
 
-// Milliseconds of the JSON library for an ordinary object of a datagram's size.
+// Seconds of the JSON library for an ordinary object of a datagram's size.
 double object_time() {
   const std::string text = object_of_members();
-  return milliseconds_of([&] { static_cast<void>(nlohmann::json::parse(text).size()); });
+  return least_processor_time(kRuns,
+                              [&] { static_cast<void>(nlohmann::json::parse(text).size()); });
 }
 
 std::string repeated(const std::string& piece, std::size_t bytes) {
@@ -64,10 +53,11 @@ std::string repeated(const std::string& piece, std::size_t bytes) {
 
 void expect_cheap(Decoder& decoder, const std::string& packet, const char* what) {
   Counted counted;
-  const double spent = milliseconds_of([&] { static_cast<void>(decoder.take(packet, counted)); });
+  const double spent =
+      least_processor_time(kRuns, [&] { static_cast<void>(decoder.take(packet, counted)); });
   const double most = kMostObjects * object_time();
   EXPECT_LT(spent, most) << what;
-  EXPECT_LE(counted.frames, 5 * 8) << what;
+  EXPECT_LE(counted.frames, kRuns * 8) << what;
 }
 
 // An LZ4 frame (lz4_Frame_format.md) of blocks: a text whose end is repeated, about a megabyte in
@@ -121,7 +111,7 @@ TEST(PacketBounds, JsonIsBounded) {
   EXPECT_THAT(refusal("{\"a\": \n nonsense}"), HasSubstr("not JSON: byte"));
   EXPECT_THAT(refusal("[1e999]"), HasSubstr("too large"));
   EXPECT_EQ(parse_packet_json(R"({"a": 1, "a": 2})", "the line").value()["a"], 2);
-  const double spent = milliseconds_of([&] {
+  const double spent = least_processor_time(kRuns, [&] {
     refusal(repeated("[[[[[[", 1 << 19));
     refusal(repeated("0,", 1 << 19));
   });

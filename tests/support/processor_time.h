@@ -10,21 +10,27 @@ inline double processor_time() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// Returns the processor time of `run(large)` divided by that of `run(small)`, each the minimum of three runs: about
+/// Returns the processor time of `work` in seconds, the minimum over some runs.
+template <typename Work>
+double least_processor_time(int runs, const Work& work) {
+  double least = 1e9;
+  for (int i = 0; i < runs; ++i) {
+    const double begin = processor_time();
+    work();
+    least = std::min(least, processor_time() - begin);
+  }
+  return least;
+}
+
+/// Returns the processor time of `work(large)` divided by that of `work(small)`, each the minimum of three runs: about
 /// large / small if it is linear.
-template <typename Run>
-double time_growth(const Run& run, int small, int large) {
+template <typename Work>
+double time_growth(const Work& work, int small, int large) {
   constexpr double kResolution = 0.001;  // Of the clock on Windows, seconds.
-  const auto fastest = [&](int size) {
-    double seconds = 1e9;
-    for (int i = 0; i < 3; ++i) {
-      const double begin = processor_time();
-      run(size);
-      seconds = std::min(seconds, processor_time() - begin);
-    }
-    return std::max(seconds, kResolution);
+  const auto time_of = [&](int size) {
+    return std::max(kResolution, least_processor_time(3, [&] { work(size); }));
   };
-  return fastest(large) / fastest(small);
+  return time_of(large) / time_of(small);
 }
 
 }  // namespace retarget
