@@ -2,8 +2,6 @@
 
 import ctypes
 import ctypes.util
-import os
-import pathlib
 import socket
 import threading
 import time
@@ -11,7 +9,7 @@ import unittest
 
 from live_blocked_outputs_test import Receiver
 from live_test import LiveTest
-from tool import is_sanitized
+from tool import is_sanitized, processor_time
 
 SILENCE = 5.0 if is_sanitized() else 0.3  # seconds without a robot frame, on a busy machine
 PROCESSOR = 0.15 # of its time, for everything
@@ -31,12 +29,6 @@ def lz4_frame(text):
     return room.raw[:count]
 
 
-def processor_time(process):
-    """Returns the processor time of a process, seconds."""
-    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
 class Floods(LiveTest):
     def attack(self, form, flood, every=0.01):
         """A clip, and among its packets, from the same address, others: at most how long no robot frame leaves."""
@@ -53,9 +45,9 @@ class Floods(LiveTest):
                 sender.sendto(packet, ("127.0.0.1", port))
                 if i == 60:
                     thread.start()
-                    began, used = time.monotonic(), processor_time(process)
+                    began, used = time.monotonic(), processor_time(process.pid)
                 time.sleep(max(0.0, begin + (i + 1) / 30 - time.monotonic()))
-            share = (processor_time(process) - used) / (time.monotonic() - began)
+            share = (processor_time(process.pid) - used) / (time.monotonic() - began)
             ended.set()
             thread.join()
         times = receiver.times
