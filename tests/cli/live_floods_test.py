@@ -2,6 +2,8 @@
 
 import ctypes
 import ctypes.util
+import pathlib
+import re
 import socket
 import threading
 import time
@@ -29,6 +31,13 @@ def lz4_frame(text):
     return room.raw[:count]
 
 
+def waits_of_other_threads(process):
+    """Returns how often the threads besides the one that reads packets have waited for something."""
+    tasks = pathlib.Path(f"/proc/{process.pid}/task")
+    texts = [(task / "status").read_text() for task in tasks.iterdir() if task.name != str(process.pid)]
+    return sum(int(re.search(r"\nvoluntary_ctxt_switches:\s*(\d+)", text)[1]) for text in texts)
+
+
 class Floods(LiveTest):
     def attack(self, form, flood, every=0.01):
         """A clip, and among its packets, from the same address, others: at most how long no robot frame leaves."""
@@ -46,13 +55,17 @@ class Floods(LiveTest):
                 if i == 60:
                     thread.start()
                     began, used = time.monotonic(), processor_time(process.pid)
+                    waits, frames = waits_of_other_threads(process), len(receiver.times)
                 time.sleep(max(0.0, begin + (i + 1) / 30 - time.monotonic()))
+            waits = (waits_of_other_threads(process) - waits) / (len(receiver.times) - frames)
             share = (processor_time(process.pid) - used) / (time.monotonic() - began)
             ended.set()
             thread.join()
         times = receiver.times
         self.assertGreater(len(times), 150)
         self.assertLess(max(b - a for a, b in zip(times, times[1:])), SILENCE)
+        # Packets without frames do not wake the thread of robot frames.
+        self.assertLess(waits, 10, "per robot frame")
         if not is_sanitized():
             self.assertLess(share, PROCESSOR)
         return self.end(process)[1]

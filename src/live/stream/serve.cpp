@@ -230,8 +230,10 @@ Result<void> Server::take_packet(std::string_view bytes, std::int64_t arrival) {
   RETARGET_TRY(advance());
   latest_ = std::max(latest_, arrival);
   if (recorder_) recorder_->add(StreamEvent::kPacket, latest_, bytes);
+  const auto before = pipeline_->due();
   RETARGET_TRY(pipeline_->use_decoded(seconds_of(latest_)));
-  earlier_.notify_one();
+  const auto due = pipeline_->due();
+  if (due && (!before || *due < *before)) earlier_.notify_one();
   return {};
 }
 
