@@ -42,9 +42,9 @@ def test_a_jump_of_the_callers_clock_is_no_burst(walk: retarget.Clip, g1: retarg
                                                 moment: float) -> None:
     with retarget.live(walk, g1, fps=50) as session:
         session.push(*first_frame(walk), now=0.0)
-        began = time.monotonic()
+        began = time.process_time()
         assert len(session.pull(now=moment)) <= 2
-        assert time.monotonic() - began < 5.0
+        assert time.process_time() - began < 5.0
         assert session.statistics["missed"] == pytest.approx(50 * moment, rel=1e-3)
         # The stream continues.
         assert len(session.push(*first_frame(walk), now=moment + 1.0)) >= 40

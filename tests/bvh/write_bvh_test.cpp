@@ -20,6 +20,7 @@
 #include "bvh_test_support.h"
 #include "retarget/clip.h"
 #include "support/shared_data.h"
+#include "support/temporary_folder.h"
 #include "support/value_of.h"
 
 namespace retarget {
@@ -306,7 +307,8 @@ TEST(WriteBvh, IsIndependentOfTheLocale) {
 TEST(WriteBvh, SavesAndLoads) {
   Clip clip(skeleton_of_all_orders(), FrameRate{30, 1}, 3);
   fill_at_random(clip, 9);
-  const std::string path = testing::TempDir() + "retarget_write_bvh_test.bvh";
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "test.bvh").string();
   ASSERT_TRUE(save_bvh(path, clip).has_value());
   const auto file = value_of(load_bvh(path));
   expect_same_clip(file.clip, clip);

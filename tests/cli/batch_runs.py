@@ -3,7 +3,7 @@
 import csv
 import json
 
-from tool import ToolTest, short_clip
+from tool import ToolTest, sample, short_clip
 
 FAST = ("--method", "gmr", "--no-quality")
 
@@ -17,6 +17,13 @@ class BatchTest(ToolTest):
     def clips(self, *names, folder="in", frames=2):
         for name in names:
             self.write(f"{folder}/{name}", short_clip("wave", frames))
+
+    def long_clip(self, name="long.bvh", folder="in"):
+        """Writes a clip that takes seconds, so that a batch still runs when a signal arrives. It starts first."""
+        lines = sample("walk").read_text().splitlines(keepends=True)
+        motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
+        rows = lines[motion + 2:] * 100
+        self.write(f"{folder}/{name}", "".join([*lines[:motion], f"Frames: {len(rows)}\n", lines[motion + 1], *rows]))
 
     def lines(self, name, folder="out"):
         return (self.folder / folder / name).read_text().splitlines()

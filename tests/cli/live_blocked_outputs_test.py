@@ -2,7 +2,6 @@
 
 import json
 import os
-import pathlib
 import resource
 import select
 import signal
@@ -13,7 +12,7 @@ import time
 import unittest
 
 from live_test import LiveTest
-from tool import TOOL, is_sanitized, sample, unwrapped
+from tool import TOOL, is_sanitized, processor_time, sample, unwrapped
 
 PROMPT = 20.0 if is_sanitized() else 3.0  # seconds that an end may take on a busy machine
 
@@ -314,12 +313,9 @@ class BlockedOutputs(LiveTest):
 
     def wait_until_blocked(self, process):
         """Waits until the process uses no processor time for a second."""
-        def used():
-            fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-            return int(fields[11]) + int(fields[12])
         before = None
-        while before != used():
-            before = used()
+        while before != processor_time(process.pid):
+            before = processor_time(process.pid)
             time.sleep(1.0)
             self.assertIsNone(process.poll())
 

@@ -2,8 +2,8 @@
 
 import ctypes
 import ctypes.util
-import os
 import pathlib
+import re
 import socket
 import threading
 import time
@@ -11,7 +11,7 @@ import unittest
 
 from live_blocked_outputs_test import Receiver
 from live_test import LiveTest
-from tool import is_sanitized
+from tool import is_sanitized, processor_time
 
 SILENCE = 5.0 if is_sanitized() else 0.3  # seconds without a robot frame, on a busy machine
 PROCESSOR = 0.15 # of its time, for everything
@@ -31,10 +31,11 @@ def lz4_frame(text):
     return room.raw[:count]
 
 
-def processor_time(process):
-    """Returns the processor time of a process, seconds."""
-    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+def waits_of_other_threads(process):
+    """Returns how often the threads besides the one that reads packets have waited for something."""
+    tasks = pathlib.Path(f"/proc/{process.pid}/task")
+    texts = [(task / "status").read_text() for task in tasks.iterdir() if task.name != str(process.pid)]
+    return sum(int(re.search(r"\nvoluntary_ctxt_switches:\s*(\d+)", text)[1]) for text in texts)
 
 
 class Floods(LiveTest):
@@ -53,14 +54,18 @@ class Floods(LiveTest):
                 sender.sendto(packet, ("127.0.0.1", port))
                 if i == 60:
                     thread.start()
-                    began, used = time.monotonic(), processor_time(process)
+                    began, used = time.monotonic(), processor_time(process.pid)
+                    waits, frames = waits_of_other_threads(process), len(receiver.times)
                 time.sleep(max(0.0, begin + (i + 1) / 30 - time.monotonic()))
-            share = (processor_time(process) - used) / (time.monotonic() - began)
+            waits = (waits_of_other_threads(process) - waits) / (len(receiver.times) - frames)
+            share = (processor_time(process.pid) - used) / (time.monotonic() - began)
             ended.set()
             thread.join()
         times = receiver.times
         self.assertGreater(len(times), 150)
         self.assertLess(max(b - a for a, b in zip(times, times[1:])), SILENCE)
+        # Packets without frames do not wake the thread of robot frames.
+        self.assertLess(waits, 10, "per robot frame")
         if not is_sanitized():
             self.assertLess(share, PROCESSOR)
         return self.end(process)[1]

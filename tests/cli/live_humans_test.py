@@ -1,12 +1,12 @@
 """Streams of bones of their own (VMC, Rokoko, SMPL): other people's receivers and senders, and the same robot."""
 
-import io
 import json
 import socket
 import sys
 import time
 import unittest
 
+from live_recordings import RecordingTest
 from live_test import LiveTest
 from optional_numpy import numpy
 from tool import SOURCE, absent, difference, read_rows, sample, short_clip
@@ -54,7 +54,7 @@ for _side in ("Left", "Right"):
                 _side + "Foot": _side + "LowerLeg", _side + "Toes": _side + "Foot"}
 
 
-class Vmc(LiveTest):
+class Vmc(RecordingTest):
     def received(self, frames):
         """Returns the player's packets for the first frames of a sample."""
         taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -152,22 +152,6 @@ class Vmc(LiveTest):
         self.assertIn("0 malformed", messages)
         self.assertGreater(len(read_rows((self.folder / "live.csv").read_text())), 40)
 
-    def regular_times(self, recording):
-        """Rewrites the arrival times of a recording to those of a network without delays; the sender runs at 30 fps."""
-        file = self.folder / recording / "input.stream"
-        recorded, events, frames = io.BytesIO(file.read_bytes()), [], 0
-        while line := recorded.readline():
-            letter, _, size = line.decode().split()
-            data = recorded.read(int(size))
-            recorded.read(1)
-            if letter in "SP":
-                events.append(b"%s %d %d\n%s\n" % (letter.encode(), round(frames * 1e6 / 30), len(data), data))
-                # A packet of the lines' skeleton arrives with the first frame.
-                frames += letter == "P" and b"skeleton" not in data
-        events.append(b"E %d 0\n\n" % round((frames + 3) * 1e6 / 30))
-        file.write_bytes(b"".join(events))
-        return frames
-
     def test_the_robot_is_that_of_lines(self):
         self.write("short.bvh", short_clip("walk", 60))
         found = {}
@@ -179,9 +163,7 @@ class Vmc(LiveTest):
             # The machine's load changes which times the robot frames have, so the packets arrive again on time.
             self.assertEqual(self.regular_times(form), 60)
             self.assert_done(self.run_tool("live", "--replay", form, "-o", f"{form}.jsonl"))
-            frames = [json.loads(line) for line in (self.folder / f"{form}.jsonl").read_text().splitlines()[1:]]
-            found[form] = {round(30 * frame["time"]): frame for frame in frames if frame["state"] == "following"
-                           and abs(30 * frame["time"] - round(30 * frame["time"])) < 1e-4}
+            found[form] = self.followed(f"{form}.jsonl")
         both = sorted(found["lines"].keys() & found["vmc"].keys())
         self.assertGreater(len(both), 55)
         for number in both:
@@ -220,7 +202,7 @@ class Rokoko(LiveTest):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for packet in packets[:90]:
                 sender.sendto(packet.encode(), ("127.0.0.1", port))
-                time.sleep(0.01)
+                self.wait_until_read(port)
         _, messages = self.end(process)
         self.assertIn("3 malformed", messages)
         self.assertIn("second actor", messages)
@@ -234,6 +216,7 @@ class Rokoko(LiveTest):
         with socket.create_connection(("127.0.0.1", port)) as connection:
             for frame in frames:
                 connection.sendall(frame)
+            self.wait_until_read(port, "tcp")
         time.sleep(0.5)
         _, messages = self.end(process)
         if "this build lacks" in messages:

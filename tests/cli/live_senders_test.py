@@ -5,6 +5,7 @@ import json
 import re
 import signal
 import socket
+import threading
 import time
 import unittest
 
@@ -32,7 +33,7 @@ class SendersTest(LiveTest):
             time.sleep(0.01)
 
     def packets(self, process):
-        """Ends a run; returns the number of packets, that of malformed ones, and the messages."""
+        """Ends a run, also a stopped one; returns the number of packets, that of malformed ones, and the messages."""
         _, messages = self.end(process)
         found = re.search(r"packets +(\d+), (\d+) malformed", messages)
         return int(found[1]), int(found[2]), messages
@@ -56,37 +57,20 @@ class Connections(SendersTest):
             if i == 40:
                 self.connect(port).sendall(b"GET / HTTP/1.0\r\n\r\n")
             time.sleep(0.01)
-        time.sleep(0.3)
         taken, malformed, messages = self.packets(process)
         self.assertEqual((taken, malformed), (120, 0), messages)
         self.assertEqual(messages.count("ignoring 127.0.0.1:"), 1, messages)
 
-    def send_among_strangers(self):
-        """Returns the packets, and the longest time between two lines of the sender."""
+    def test_many_strangers(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         sender = self.connect(port)
         sender.sendall(self.lines[0])
-        latest, longest = time.monotonic(), 0.0
-        time.sleep(0.3)
-        try:
-            for line in self.lines[1:40]:
-                self.connect(port).sendall(b"{}\n")
-                longest, latest = max(longest, time.monotonic() - latest), time.monotonic()
-                sender.sendall(line)
-                time.sleep(0.01)
-        except ConnectionError:
-            pass  # Counts as a lost packet.
-        time.sleep(0.3)
-        return self.packets(process)[:2], longest
-
-    def test_many_strangers(self):
-        # If a busy machine stops the sender for a second, a stranger may replace it.
-        for _ in range(5):
-            packets, longest = self.send_among_strangers()
-            if longest < 0.8:
-                break
-        self.assertLess(longest, 0.8, "the machine is too busy for this test")
-        self.assertEqual(packets, (40, 0))
+        # While the program is stopped, a sender on a busy machine is not silent for a second.
+        process.send_signal(signal.SIGSTOP)
+        for line in self.lines[1:40]:
+            self.connect(port).sendall(b"{}\n")
+            sender.sendall(line)
+        self.assertEqual(self.packets(process)[:2], (40, 0))
 
     def test_connects_at_once_while_the_receiver_is_busy(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
@@ -103,30 +87,28 @@ class Connections(SendersTest):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         first, second = self.connect(port), None
         first.sendall(b"".join(self.lines[:60]))
-        time.sleep(0.3)
         second = self.connect(port)
         second.sendall(b"".join(self.lines[:50]))
-        time.sleep(0.3)
         first.sendall(self.lines[60])
         first.close()
-        time.sleep(0.5)
         self.assertEqual(self.packets(process)[:2], (111, 0))
 
     def test_paused_sender_is_accepted_again(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         sender = self.connect(port)
         sender.sendall(b"".join(self.lines[:60]))
+        self.wait_until_read(port, "tcp")
         time.sleep(SILENCE)
         # A silent connection does not become the sender.
         self.connect(port)
-        time.sleep(0.3)
+        self.wait_until_read(port, "tcp")
         sender.sendall(b"".join(self.lines[60:80]))
+        self.wait_until_read(port, "tcp")
         time.sleep(SILENCE)
         with socket.create_connection(("127.0.0.1", port)) as other:
             other.sendall(b"".join(self.lines[:10]))
-            time.sleep(0.5)
+            self.wait_until_read(port, "tcp")
         sender.sendall(b"".join(self.lines[80:90]))
-        time.sleep(0.5)
         self.assertEqual(self.packets(process)[:2], (100, 0))
 
     def test_forbidden_address(self):
@@ -140,7 +122,6 @@ class Connections(SendersTest):
                     time.sleep(0.02)
         with socket.create_connection(("127.0.0.1", port), source_address=("127.0.0.2", 0)) as sender:
             sender.sendall(b"".join(self.lines[:30]))
-            time.sleep(0.5)
         self.assertEqual(self.packets(process)[:2], (30, 0))
 
 
@@ -182,9 +163,12 @@ class Datagrams(SendersTest):
         process, port = self.listen("-o", "live.jsonl", "--stats", "stats.jsonl", "--record", "kept")
         with self.sender() as first, self.sender() as second:
             self.send(first, port, self.lines[:60])
-            # Its predecessor has just ended, so its first lines are refused.
+            # Its predecessor has just ended, so its first lines are refused; they arrive at once, because a busy
+            # machine may take a second for lines with pauses.
             text = [json.dumps(message).encode() + b"\n" for message in restarted]
-            self.send(second, port, text[:60])
+            for line in text[:20]:
+                second.sendto(line, ("127.0.0.1", port))
+            self.wait_until_read(port)
             time.sleep(SILENCE)
             for line in text[60:160]:
                 self.send(second, port, [line])
@@ -216,14 +200,13 @@ class Datagrams(SendersTest):
         process, port = self.listen("-o", "live.csv")
         with self.sender() as first, self.sender() as other:
             self.send(first, port, self.lines[:30])
-            time.sleep(0.3)
+            self.wait_until_read(port)
             process.send_signal(signal.SIGSTOP)
             other.sendto(b"{}\n", ("127.0.0.1", port))
             self.send(first, port, self.lines[30:60])
             time.sleep(SILENCE)
             process.send_signal(signal.SIGCONT)
             self.send(first, port, self.lines[60:70])
-            time.sleep(0.3)
         self.assertEqual(self.packets(process)[:2], (70, 0))
 
     def test_a_port_for_every_datagram(self):
@@ -268,6 +251,36 @@ class Datagrams(SendersTest):
                 self.send(first, port, [line])
                 self.send(second, port, [line])
         self.assertEqual(self.packets(process)[:2], (40, 0))
+
+
+class Ends(SendersTest):
+    """A program without CPU time reads its input late, also that before Ctrl-C."""
+
+    def test_input_before_ctrl_c_is_read(self):
+        for transport in ("udp", "tcp"):
+            with self.subTest(transport):
+                process, port = self.listen("-o", "live.csv", transport=transport)
+                kind = socket.SOCK_DGRAM if transport == "udp" else socket.SOCK_STREAM
+                with socket.socket(socket.AF_INET, kind) as sender:
+                    sender.connect(("127.0.0.1", port))
+                    process.send_signal(signal.SIGSTOP)
+                    for line in self.lines[:20]:
+                        sender.sendall(line)
+                    self.assertEqual(self.packets(process)[:2], (20, 0))
+
+    def test_ctrl_c_ends_a_run_while_its_sender_goes_on(self):
+        process, port = self.listen("-o", "live.csv")
+        with self.sender() as sender, contextlib.ExitStack() as stack:
+            ended = threading.Event()
+
+            def flood():
+                while not ended.is_set():
+                    sender.sendto(self.lines[1], ("127.0.0.1", port))
+            thread = threading.Thread(target=flood)
+            stack.callback(thread.join)
+            stack.callback(ended.set)
+            thread.start()
+            self.packets(process)
 
 
 class Usage(LiveTest):

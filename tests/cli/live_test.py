@@ -44,9 +44,21 @@ class LiveTest(ToolTest):
         self.fail("the port has no listener")
         return None
 
+    def wait_until_read(self, port, transport="udp"):
+        """Waits until a live run has accepted all connections to its port and read all input."""
+        def unread():
+            with open(f"/proc/net/{transport}") as table:
+                rows = [line.split() for line in table if f":{port:04X}" in line.split()[1]]
+            return sum(int(row[4].split(":")[1], 16) for row in rows)
+        until = time.monotonic() + 60
+        while unread() > 0:
+            self.assertLess(time.monotonic(), until, "the run does not read its input")
+            time.sleep(0.01)
+
     def end(self, process):
-        """Sends Ctrl-C and returns the printed text."""
+        """Sends Ctrl-C, also to a stopped process, and returns the printed text."""
         process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGCONT)
         out, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, err)
         return out, unwrapped(err)
@@ -338,8 +350,6 @@ class Sockets(LiveTest):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for _ in range(10):
                 sender.sendto(b"/tracking/trackers/1/position\0\0\0,f\0\0\0\0\0\0", ("127.0.0.1", port))
-                time.sleep(0.02)
-        time.sleep(0.3)
         _, messages = self.end(process)
         self.assertRegex(messages, r"packets +10, 10 malformed")
         self.assertRegex(messages, r"stream +no frame of the stream is usable: 10 of 10 packets malformed, the first "
@@ -358,7 +368,6 @@ class Sockets(LiveTest):
         process, port = self.listen(extras="?format=smplx")
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             sender.sendto(b'{"skeleton": []}', ("127.0.0.1", port))
-        time.sleep(0.3)
         _, messages = self.end(process)
         self.assertRegex(messages, r"the input looks like lines: use udp:[0-9.]+:[0-9]+\?format=lines")
 

@@ -10,6 +10,7 @@
 
 #include "app/options/options_json.h"
 #include "retarget/file.h"
+#include "support/temporary_folder.h"
 
 namespace retarget {
 namespace {
@@ -71,7 +72,8 @@ TEST(OptionTable, OmitsRowsOfAnotherTable) {
 TEST(OptionTable, FilesRoundTrip) {
   Extended written, read;
   written.depth = 2.5;
-  const std::string file = testing::TempDir() + "/options.json";
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "options.json").string();
   ASSERT_TRUE(write_file(file, options_text(written.table)));
   ASSERT_TRUE(load_options(file, read.table, "the options"));
   EXPECT_EQ(read.depth, 2.5);

@@ -278,6 +278,7 @@ std::string certificate_file(const std::string& motion) {
 
 bool is_certificate(std::string_view text) {
   if (text.substr(0, 200).find(kSchema) != std::string_view::npos) return true;
+  if (!check_json_bounds(text, {})) return false;
   const Json json = Json::parse(text, nullptr, false);
   return json.is_object() && std::ranges::all_of(kOwnMembers, [&](const char* member) {
            return json.contains(member);

@@ -116,7 +116,8 @@ SenderConnections::Event SenderConnections::wait(double seconds, double now) {
   // A busy sender does not keep the listener's short queue full.
   if (which == 1 || (which == 0 && has_input(listener_))) accept();
   if (which == 0) return Event::kInput;
-  if (which < 0 || is_alive(now)) return Event::kNothing;
+  if (which < 0) return Event::kIdle;
+  if (is_alive(now)) return Event::kNothing;
   if (!promote()) return Event::kNothing;
   latest_ = now;
   return Event::kNewSender;
@@ -288,7 +289,7 @@ ByteSource::Event ByteSource::wait_for_datagram(double seconds) {
     which = wait_for(sources, seconds);
     emptied_ = std::min(now(), end);  // The machine may stop this program during the wait.
   }
-  if (which < 0) return Event::kNothing;
+  if (which < 0) return Event::kIdle;
   return take_datagram(which == 0 ? socket_ : group_);
 }
 
@@ -322,6 +323,8 @@ ByteSource::Event ByteSource::wait_for_connection(double seconds) {
   const SenderConnections::Event event = connections_.wait(seconds, now());
   if (connections_.strangers() > strangers) report_stranger(connections_.latest_stranger());
   switch (event) {
+    case SenderConnections::Event::kIdle:
+      return Event::kIdle;
     case SenderConnections::Event::kNothing:
       return Event::kNothing;
     case SenderConnections::Event::kNewSender:
@@ -339,7 +342,7 @@ ByteSource::Event ByteSource::wait_for_connection(double seconds) {
 
 ByteSource::Event ByteSource::wait_for_pipe(double seconds) {
   const std::array<const Descriptor*, 1> sources = {&pipe_};
-  if (wait_for(sources, seconds) < 0) return Event::kNothing;
+  if (wait_for(sources, seconds) < 0) return Event::kIdle;
   const Event taken = take_piece(pipe_, ended_);
   return ended_ && taken == Event::kNothing ? Event::kEnd : taken;
 }

@@ -96,7 +96,8 @@ class SenderConnections {
       : listener_(std::move(listener)), filter_(filter) {}
 
   enum class Event : unsigned char {
-    kNothing,
+    kIdle,       ///< Nothing arrived.
+    kNothing,    ///< Another connection began or ended.
     kInput,      ///< The sender has sent bytes or disconnected.
     kNewSender,  ///< Another connection has become the sender's.
   };
@@ -155,7 +156,8 @@ class ByteSource {
                                                const StreamFormat& format, Tell tell);
 
   enum class Event : unsigned char {
-    kNothing,
+    kIdle,         ///< Nothing arrived.
+    kNothing,      ///< A part of a packet, or the packet of another sender.
     kPacket,       ///< Available in packet().
     kNewSender,    ///< Another sender takes over.
     kEarlyPacket,  ///< One of its packets from before, in packet().

@@ -230,8 +230,10 @@ Result<void> Server::take_packet(std::string_view bytes, std::int64_t arrival) {
   RETARGET_TRY(advance());
   latest_ = std::max(latest_, arrival);
   if (recorder_) recorder_->add(StreamEvent::kPacket, latest_, bytes);
+  const auto before = pipeline_->due();
   RETARGET_TRY(pipeline_->use_decoded(seconds_of(latest_)));
-  earlier_.notify_one();
+  const auto due = pipeline_->due();
+  if (due && (!before || *due < *before)) earlier_.notify_one();
   return {};
 }
 
@@ -303,17 +305,22 @@ void Server::report_lack(std::int64_t now) {
 
 Result<void> Server::receive() {
   constexpr double kWait = 0.01;  // Seconds between checks whether the run is over.
+  // After the end, input that had arrived before it is still read; a pipe may never be empty.
+  const std::int64_t longest_rest = from_.transport == Transport::kStdin ? 0 : 500000;
   ByteSource& source = *source_;
   Asker asker;
   std::int64_t heard = watch_.now(), now = heard;
-  while (!is_over(now, heard)) {
+  std::optional<std::int64_t> ended;  // Microseconds.
+  for (;;) {
+    if (!ended && is_over(now, heard)) ended = now;
+    if (ended && now - *ended >= longest_rest) break;
     if (source.can_send()) {
       asker.ask(source, pipeline_->request(), now);
       report_lack(now);
     }
-    const ByteSource::Event event = source.wait(kWait);
+    const ByteSource::Event event = source.wait(ended ? 0.0 : kWait);
     now = watch_.now();
-    if (event == ByteSource::Event::kEnd) break;
+    if (event == ByteSource::Event::kEnd || (ended && event == ByteSource::Event::kIdle)) break;
     if (event == ByteSource::Event::kPacket) {
       heard = now;
       RETARGET_TRY(take_packet(source.packet(), now));
