@@ -104,10 +104,24 @@ Result<void> check_options(const std::string& file, const SourceOptions& options
   return {};
 }
 
-bool is_row_of_numbers(std::string_view line) {
+// Also numbers out of range, and those that are not finite.
+bool looks_like_number(std::string_view cell) {
   constexpr auto kNone = std::string_view::npos;
-  return line.find_first_of("0123456789") != kNone &&
-         line.find_first_not_of("0123456789+-.eE, \t;\r") == kNone;
+  const bool has_digit = cell.find_first_of("0123456789") != kNone;
+  return (has_digit && cell.find_first_not_of("0123456789+-.eE") == kNone) ||
+         parse_number<double>(cell);
+}
+
+bool is_row_of_numbers(std::string_view line) {
+  constexpr std::string_view kSeparators = ", \t;\r";
+  bool has_number = false;
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find_first_of(kSeparators), line.size());
+    if (end > 0 && !looks_like_number(line.substr(0, end))) return false;
+    has_number = has_number || end > 0;
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return has_number;
 }
 
 // Whether a text is a table of numbers, perhaps below a header.
