@@ -44,8 +44,9 @@ struct RobotSetup {
   LimitSet limits;
   ResolvedConfig config;  ///< Used for LAFAN1 clips, and for all clips without `config_of_others`.
   std::optional<ResolvedConfig> config_of_others;  ///< Used for all other clips.
-  FitOptions fit;            ///< Options of Method::kFit after the options file and `without`.
-  FitOptions fit_of_robots;  ///< Like `fit`, for robot motions, whose rotations are known.
+  FitOptions fit;               ///< Options of Method::kFit after the options file and `without`.
+  FitOptions fit_of_robots;     ///< Like `fit`, for robot motions, whose rotations are known.
+  std::vector<Warning> doubts;  ///< Reasons why a configuration may not be the robot's.
 
   [[nodiscard]] const ResolvedConfig& config_for(const HumanInClip& human) const;
   /// Summary lines about the owners of the joints if only the arms follow (RobotChoice::follow);

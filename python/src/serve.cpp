@@ -128,6 +128,7 @@ void open_server(PythonServer* self, const nb::object& robot, const nb::object& 
   RobotSetup setup =
       without_gil([&] { return set_up_robot(std::move(loaded), request.serve.pipeline.run); });
   told.lines(setup.follow_lines());
+  told.warn(setup.doubts, setup.loaded.robot->name());
   new (self) PythonServer(std::move(setup), std::move(request), std::move(told.messages));
 }
 

@@ -134,6 +134,7 @@ def test_a_killed_writer_leaves_no_data_set(tmp_path: Path) -> None:
     ([("../a", "x.csv")], "names such as"), ([("/a", "x.csv")], "names such as"),
     ([(1, "x.csv")], "names such as"),
     ({"a.b": "x.csv", "a_b": "x.csv"}, "same key"),
+    ({"__a__/walk": "x.csv"}, "skip '__a__/walk'"),
 ])
 def test_bad_names(clips, message: str, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("0\n")

@@ -366,7 +366,7 @@ std::string output_stem(const std::string& relative) {
 Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
   std::map<std::string, const BatchInput*> taken;
   int clashes = 0;
-  bool by_image = false;
+  bool by_image = false, in_one_folder = false;
   std::string first;
   for (const BatchInput& input : inputs) {
     const std::string stem = output_stem(input.relative);
@@ -374,6 +374,8 @@ Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
     if (is_new) continue;
     if (clashes++ == 0) {
       by_image = at->second->variant.is_mirrored() || input.variant.is_mirrored();
+      in_one_folder = fs::path(output_stem(at->second->path)).lexically_normal() ==
+                      fs::path(output_stem(input.path)).lexically_normal();
       first = "\"" + at->second->path + "\" and \"" + input.path + "\" would both become \"" +
               stem + "\"";
     }
@@ -386,8 +388,11 @@ Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
         "rename the file that conflicts with " RETARGET_OPTION(
             "mirror") ", exclude it with " RETARGET_OPTION("exclude") ", or omit " RETARGET_OPTION("mirror"));
   }
+  if (in_one_folder) {
+    return usage_failure(first, "rename one or exclude it with " RETARGET_OPTION("exclude"));
+  }
   return usage_failure(first,
-                       "give the folder that contains both, or " RETARGET_OPTION("relative-to") " FOLDER "
+                       "give only the folder that contains both, or " RETARGET_OPTION("relative-to") " FOLDER "
                        "to keep the tree below "
                        "it; otherwise rename one or exclude it with " RETARGET_OPTION("exclude"));
 }

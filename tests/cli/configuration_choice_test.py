@@ -125,6 +125,18 @@ class ConfigurationChoice(ToolTest):
         self.assert_fails(result, 4, 'no retargeting configuration for the robot "unitree_g1"',
                           "the published one of that name does not fit", "left_knee_link", "--ik-config")
 
+    def test_offsets_of_another_model_are_reported(self):
+        # The forearms of the X2 point along z, those of the G1 along x; their bodies have the same names.
+        words = ('"left_elbow_link" (LeftForeArm) by 94 degrees', '"right_elbow_link" (RightForeArm) by 94')
+        for robot, is_own in (("agibot_x2", False), ("unitree_g1", True), ("unitree_h1_2", True)):
+            options = ("--ik-config", SOURCE / PUBLISHED)
+            _, _, said = self.run_with(sample("wave"), *options, robot=robot)
+            live = self.run_tool("live", "--robot", robot, *options, "-o", "live.csv")
+            self.assert_done(live)
+            for text in (said, live.stderr):
+                for word in words:
+                    self.assertEqual(word not in " ".join(text.split()), is_own, (robot, text))
+
     def test_missing_files_are_errors(self):
         self.assert_fails(self.retarget("--ik-config", "published", robot="unitree_h1"), 4,
                           "no published retargeting configuration", "unitree_h1")

@@ -4,7 +4,7 @@ import json
 import unittest
 
 from live_test import LiveTest, free_port
-from tool import difference, sample
+from tool import SOURCE, difference, sample
 
 
 class OptionsTest(LiveTest):
@@ -49,6 +49,15 @@ class Outputs(OptionsTest):
         self.write("map.json", '{"hips": "Hips"}')
         self.refused("--map", "map.json", code=4, messages=["map.json", 'no bone "hips"'])
         self.refused("--tpose-file", "nope.bvh", code=4, messages=["nope.bvh"])
+
+
+class Robots(LiveTest):
+    def test_a_model_needs_a_configuration_as_in_a_run(self):
+        model = self.write("unitree_g1.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text())
+        needs = "--robot-xml has no retargeting configuration"
+        self.assert_fails(self.run_tool(sample("walk"), "--robot-xml", model, "-o", "x.csv"), 2, needs)
+        self.assert_fails(self.run_tool("live", "--robot-xml", model, "-o", "x.csv"), 2, needs)
+        self.assertEqual(self.files(), ["unitree_g1.xml"])
 
 
 class Effects(OptionsTest):

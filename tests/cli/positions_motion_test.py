@@ -1,6 +1,7 @@
 """Joint positions without rotations: the robot moves as with the file that has both."""
 
 import json
+import re
 import unittest
 
 from joint_positions import PositionsTest, numpy
@@ -61,6 +62,32 @@ class PositionsMotion(PositionsTest):
         for name in ("walk", "wave", "squat"):
             with self.subTest(name):
                 self.compare(sample(name))
+
+    def test_exchanged_sides_are_exchanged_back(self):
+        other = {"Left": "Right", "Right": "Left"}
+        for name in ("walk", "get_up"):
+            names, places = self.places_of(sample(name))
+            mirrored = [re.sub("^(Left|Right)", lambda side: other[side.group()], one) for one in names]
+            backwards = places * [1, 1, -1]
+            for file, one, at in (("right", names, places), ("names", mirrored, places),
+                                  ("axes", names, backwards)):
+                numpy.savez(self.folder / f"{file}.npz", joint_positions=at, joint_names=one, fps=30)
+            truth, _, said = self.solve("right.npz", "truth")
+            self.assertNotIn("exchange", said)
+            for file, options in (("names", ()), ("axes", ("--mirror",))):
+                with self.subTest(f"{name}: {file}"):
+                    found, report, said = self.solve(f"{file}.npz", "found", *options)
+                    self.assertIn("exchange left and right", said)
+                    self.assertNotIn("swapped", said)
+                    self.assert_alike(found, truth, slice(None), 0.5)
+                    self.assertTrue(report["passed"])
+
+    def test_legs_with_other_names_are_not_exchanged(self):
+        names, places = self.places_of(sample("walk"))
+        legs = [f"Right{one[4:]}" if re.match("Left.*(Leg|Foot|Toe)", one) else
+                f"Left{one[5:]}" if re.match("Right.*(Leg|Foot|Toe)", one) else one for one in names]
+        numpy.savez(self.folder / "legs.npz", joint_positions=places, joint_names=legs, fps=30)
+        self.assertNotIn("exchange", self.run_tool("inspect", "legs.npz").stdout)
 
     def test_get_up_without_its_rotations(self):
         # A kneeling body bends its toes, which positions do not determine: only arms and trunk are

@@ -190,6 +190,24 @@ class Mistakes(ToolTest):
                           "hint: retarget edit trim --help")
         self.assert_fails(self.run_tool("--no-such"), 2, "hint: retarget --help")
 
+    def hint_of(self, words, option):
+        """The hint of an error about an option: it names the help page that lists it."""
+        command = words[:2] if words[0] in ("edit", "robots") else words[:1] if words[0] in COMMANDS else ()
+        short = self.run_tool(*command, "--help").stdout
+        page = "--help" if re.search(rf"^  (-\w,)?{option}\b", short, re.M) else "--help-all"
+        return " ".join(("hint: retarget", *command, page, "lists the options"))
+
+    def test_hints_name_the_help_that_lists_the_option(self):
+        run = ("walk.bvh", "g1", "-o", "x.csv")
+        for words, option in (((*run, "--gat", "x"), "--gate"), ((*run, "--fps"), "--fps"),
+                              ((*run, "--widow", "3"), "--window"), ((*run, "--window"), "--window"),
+                              (("batch", "a", "-o", "b", "--robot-xml"), "--robot-xml"),
+                              (("edit", "trim", "x.bvh", "-o", "y.bvh", "--strat", "1"), "--start"),
+                              (("edit", "trim", "x.bvh", "-o", "y.bvh", "--take"), "--take")):
+            self.assert_fails(self.run_tool(*words), 2, option, self.hint_of(words, option))
+        # No option is near.
+        self.assert_fails(self.run_tool(*run, "--no-such"), 2, "retarget --help-all lists")
+
     def test_numbers_of_values(self):
         self.write("walk.bvh", short_clip("wave", 2))
         run = ("walk.bvh", "g1", "-o", "x.csv")
@@ -203,7 +221,8 @@ class Mistakes(ToolTest):
                 ((*run, "--fps", "50", "--fps", "30"), "--fps is given more than once"),
                 ((*run, "--fps="), "--fps needs a value"),
                 ((*run, "--fps"), "--fps needs a value")):
-            self.assert_fails(self.run_tool(*words), 2, f"error: {message}", "--help lists the options")
+            option = re.match(r"--\w+", message).group()
+            self.assert_fails(self.run_tool(*words), 2, f"error: {message}", self.hint_of(words, option))
         self.assertEqual(self.files(), ["walk.bvh"])
 
     def test_all_missing_arguments_are_reported_together(self):

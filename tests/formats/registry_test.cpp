@@ -210,6 +210,9 @@ TEST(FormatRegistry, BelievesTheNameOfAnUnknownContent) {
     EXPECT_EQ(table.error().location.line, *header == 0 ? 2U : 3U);
     EXPECT_EQ(table.error().location.column, 5U);
   }
+  const auto lost = parse_robot_motion("nan,2,3\n-inf,2,3\n", load_g1(), "walk.npz", {});
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().location.line, 1U);
   // All binary formats of the table have a header.
   for (const Format& format : all_formats()) {
     if (format.family.reads(FileKind::kOther)) continue;

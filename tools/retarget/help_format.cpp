@@ -20,7 +20,22 @@ std::string description_lines(std::string text) {
   return wrapped_text(text, 0, 0, kTextWidth - kColumn);
 }
 
+// Names of the options that the short help of a command omits unless they are required.
+std::set<std::string> left_out_of_help(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  const bool is_part = parent != nullptr && parent->get_parent() != nullptr;
+  return is_part ? shared_option_names() : advanced_option_names();
+}
+
+bool is_left_out(const CLI::Option& option, const std::set<std::string>& names) {
+  return !option.get_required() && names.contains(option.get_single_name());
+}
+
 }  // namespace
+
+bool only_help_all_lists(const CLI::App& command, const CLI::Option& option) {
+  return is_left_out(option, left_out_of_help(command));
+}
 
 HelpFormat::HelpFormat() {
   column_width(kColumn);
@@ -37,17 +52,13 @@ std::string HelpFormat::make_help(const CLI::App* app, std::string name,
 std::string HelpFormat::short_options(const CLI::App* app) const {
   std::vector<const CLI::Option*> needed, others;
   std::size_t hidden = 0;
-  const CLI::App* parent = app->get_parent();
-  const bool is_part = parent != nullptr && parent->get_parent() != nullptr;
-  const std::set<std::string> left_out = is_part ? shared_option_names() : advanced_option_names();
+  const std::set<std::string> left_out = left_out_of_help(*app);
   for (const CLI::Option* option : app->get_options()) {
     if (!option->nonpositional() || option->get_group().empty()) continue;
-    if (option->get_required()) {
-      needed.push_back(option);
-    } else if (left_out.contains(option->get_single_name())) {
+    if (is_left_out(*option, left_out)) {
       ++hidden;
     } else {
-      others.push_back(option);
+      (option->get_required() ? needed : others).push_back(option);
     }
   }
   needed.insert(needed.end(), others.begin(), others.end());

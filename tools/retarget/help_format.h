@@ -22,4 +22,7 @@ class HelpFormat : public CLI::Formatter {
   [[nodiscard]] std::string short_options(const CLI::App* app) const;
 };
 
+/// Whether `--help` of a command leaves this option to `--help-all`.
+[[nodiscard]] bool only_help_all_lists(const CLI::App& command, const CLI::Option& option);
+
 }  // namespace retarget::cli

@@ -97,6 +97,7 @@ Result<void> live(const LiveArguments& arguments, Console& console) {
   RETARGET_TRY_ASSIGN(const RobotSetup robot,
                       retarget::set_up_robot(std::move(loaded), request.serve.pipeline.run));
   console.lines(robot.follow_lines());
+  console.warn(robot.doubts, robot.loaded.robot->name());
   ServeControl control;
   control.is_stopped = [] { return InterruptGuard::interrupted(); };
   control.is_recalibrated = &RecalibrationSignal::take;

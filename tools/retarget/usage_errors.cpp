@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "help_format.h"
 #include "retarget/load.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"
@@ -34,6 +35,13 @@ std::string call_of(const CLI::App& command) {
 
 std::string options_hint(const CLI::App& command) {
   return call_of(command) + " --help lists the options";
+}
+
+// Names the help that lists an option; for an unknown name, the help with all options.
+std::string options_hint(const CLI::App& command, const std::string& name) {
+  const CLI::Option* option = command.get_option_no_throw(name);
+  const bool hidden = option == nullptr || only_help_all_lists(command, *option);
+  return call_of(command) + (hidden ? " --help-all" : " --help") + " lists the options";
 }
 
 std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {
@@ -222,7 +230,7 @@ Failure unknown_words(const CLI::App& app) {
       return positional_as_option(command, word, name);
     }
     return usage_failure("unknown option " + word + did_you_mean(word, known),
-                         options_hint(command));
+                         options_hint(command, nearest_name(word, known)));
   }
   return usage_failure(
       "unexpected " + list_names(words),
@@ -234,8 +242,7 @@ Failure unknown_words(const CLI::App& app) {
 namespace {
 
 // Replaces messages of the parser about numbers of values, which name its internals.
-std::string plain_message(const std::string& message) {
-  const std::string option = message.substr(0, message.find(':'));
+std::string plain_message(const std::string& message, const std::string& option) {
   if (message.find(": At Most 1 required") != std::string::npos) {
     return option + " is given more than once";
   }
@@ -248,7 +255,10 @@ std::string plain_message(const std::string& message) {
 }  // namespace
 
 Failure wrong_words(const CLI::App& app, const CLI::ParseError& error) {
-  return usage_failure(plain_message(error.what()), options_hint(given_command(app)));
+  const std::string message = error.what();
+  // Messages begin with the name of the option.
+  const std::string option = message.substr(0, message.find(':'));
+  return usage_failure(plain_message(message, option), options_hint(given_command(app), option));
 }
 
 }  // namespace retarget::cli

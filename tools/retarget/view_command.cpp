@@ -16,6 +16,7 @@
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/file.h"
+#include "retarget/file_endings.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/measure_files.h"
@@ -211,8 +212,10 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
 Result<void> view(const ViewArguments& given, Console& console) {
   ViewArguments arguments = given;
   std::error_code ignored;
-  const auto is_folder = [&](const std::string& path) { return fs::is_directory(path, ignored); };
-  if (std::ranges::any_of(arguments.motions, is_folder)) {
+  const auto is_batch = [&](const std::string& path) {
+    return fs::is_directory(path, ignored) && !is_sonic_folder(path);
+  };
+  if (std::ranges::any_of(arguments.motions, is_batch)) {
     return view_gallery(arguments, console);
   }
   RETARGET_TRY(take_smpl_file(arguments.run));

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import tarfile
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -17,6 +18,8 @@ from retarget._errors import RunError, UsageError
 from retarget.packs._clips import BatchClips, Clips, Source, StrPath, ascending
 from retarget.packs._parts import new_folder, parts
 
+# As in WebDataset's tar_file_iterator: members for other purposes.
+_SKIPPED = re.compile(r"__[^/]*__/")
 _BLOCK = 512
 # Two empty blocks, and zeros up to a multiple of the record size.
 _END_OF_TAR = 2 * _BLOCK + tarfile.RECORDSIZE
@@ -58,7 +61,8 @@ def write_webdataset(clips: Clips, folder: StrPath, *, format: str = "npz-mjlab"
         The shards, in order.
 
     Raises:
-        UsageError: names out of order, two clips with one key, bounds below 1, an existing folder.
+        UsageError: names out of order, two clips with one key, a key that readers skip, bounds
+            below 1, an existing folder.
         InputError: a file has changed since the batch wrote it.
         RunError: a file cannot be read or written.
     """
@@ -82,6 +86,9 @@ def _sample(name: str, source: Source, format: str,
             batch: BatchClips) -> _Sample:
     parent, _, last = name.rpartition("/")
     key = f"{parent}/{last.replace('.', '_')}" if parent else last.replace(".", "_")
+    if _SKIPPED.match(key):
+        raise UsageError(f"clips: readers of WebDataset skip {name!r}, because the first folder of "
+                         "its name begins and ends with two underscores")
     # Names ascend, so only a key that differs from its name, or one equal to such a key, repeats.
     if key != name or key in keys:
         if keys.setdefault(key, name) != name:

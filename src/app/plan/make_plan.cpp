@@ -177,6 +177,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   const ResolvedConfig& config = robot.config_for(plan.human);
   plan.config = config;
   plan.is_config_of_others = &config != &robot.config;
+  plan.clip_doubts = robot.doubts;
   if (is_config_by_name(config.file, plan.robot, options.solve)) {
     plan.clip_doubts.push_back(
         {0, 0,

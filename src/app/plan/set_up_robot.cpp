@@ -24,6 +24,7 @@
 #include "retarget/retargeting_config.h"
 #include "retarget/text.h"
 #include "solve/fit/fit_setup.h"
+#include "solve/targets/check_offsets.h"
 #include "solve/targets/targets.h"
 #include "solve/targets/trunk_aim.h"
 
@@ -151,6 +152,15 @@ Failure other_robot(Error error, const Robot& robot) {
   return failure(std::move(error));
 }
 
+void doubt_offsets(const Robot& robot, RobotSetup& setup) {
+  const ResolvedConfig* of_others = setup.config_of_others ? &*setup.config_of_others : nullptr;
+  for (const ResolvedConfig* config : {&std::as_const(setup.config), of_others}) {
+    if (config == nullptr) continue;
+    std::string wrong = wrong_offsets(robot, *config);
+    if (!wrong.empty()) setup.doubts.push_back({0, 0, std::move(wrong)});
+  }
+}
+
 }  // namespace
 
 Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
@@ -180,6 +190,7 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   if (!files.of_others.empty()) {
     TRY_ASSIGN(setup.config_of_others, load_config(files.of_others, robot));
   }
+  doubt_offsets(robot, setup);
   if (loaded.choice.follow == Follow::kArms) TRY(follow_arms_alone(robot, setup));
   if (solve.method == Method::kFit) {
     TRY_ASSIGN(setup.fit, choose_fit(options, solve.fit));

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -103,10 +104,24 @@ Result<void> check_options(const std::string& file, const SourceOptions& options
   return {};
 }
 
-bool is_row_of_numbers(std::string_view line) {
+// Also numbers out of range, and those that are not finite.
+bool looks_like_number(std::string_view cell) {
   constexpr auto kNone = std::string_view::npos;
-  return line.find_first_of("0123456789") != kNone &&
-         line.find_first_not_of("0123456789+-.eE, \t;\r") == kNone;
+  const bool has_digit = cell.find_first_of("0123456789") != kNone;
+  return (has_digit && cell.find_first_not_of("0123456789+-.eE") == kNone) ||
+         parse_number<double>(cell);
+}
+
+bool is_row_of_numbers(std::string_view line) {
+  constexpr std::string_view kSeparators = ", \t;\r";
+  bool has_number = false;
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find_first_of(kSeparators), line.size());
+    if (end > 0 && !looks_like_number(line.substr(0, end))) return false;
+    has_number = has_number || end > 0;
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return has_number;
 }
 
 // Whether a text is a table of numbers, perhaps below a header.
@@ -177,6 +192,28 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
   }
   return input_failure(file, "the file is " + std::string(type.what) + ", a human motion",
                        "retarget it to a robot, and give the robot motion");
+}
+
+using ReadRaw =
+    std::function<Result<RawMotion>(const std::shared_ptr<const Robot>&, const ReadMotionOptions&)>;
+
+// Reads a motion of the whole robot. Files may name joints that the model of a variant lacks, or
+// have the columns of other variants.
+Result<RobotMotion> motion_of(const std::shared_ptr<const Robot>& robot, const std::string& file,
+                              const ReadMotionOptions& options, const ReadRaw& read) {
+  if (robot->whole()) {
+    ReadMotionOptions of_whole = options;
+    if (of_whole.variant.empty()) of_whole.variant = robot->variant().name;
+    TRY_ASSIGN(auto motion, motion_of(robot->whole(), file, of_whole, read));
+    motion.clip = with_robot(motion.clip, robot);
+    return motion;
+  }
+  // Reject unknown variants.
+  if (!options.variant.empty()) {
+    TRY(robot_variant(robot, options.variant));
+  }
+  TRY_ASSIGN(auto raw, read(robot, options));
+  return interpret_motion(raw, robot, file, options);
 }
 
 }  // namespace
@@ -300,20 +337,11 @@ Result<HumanFile> read_human_file(std::string_view bytes, const std::string& fil
 Result<RobotMotion> parse_robot_motion(std::string_view bytes,
                                        const std::shared_ptr<const Robot>& robot,
                                        const std::string& file, const ReadMotionOptions& options) {
-  if (robot->whole()) {
-    // Files may name joints that the variant's model lacks, or have the columns of other variants.
-    ReadMotionOptions of_whole = options;
-    if (of_whole.variant.empty()) of_whole.variant = robot->variant().name;
-    TRY_ASSIGN(auto motion, parse_robot_motion(bytes, robot->whole(), file, of_whole));
-    motion.clip = with_robot(motion.clip, robot);
-    return motion;
-  }
-  // Reject unknown variants.
-  if (!options.variant.empty()) {
-    TRY(robot_variant(robot, options.variant));
-  }
-  TRY_ASSIGN(auto raw, read_raw(bytes, robot, file, options));
-  auto motion = interpret_motion(raw, robot, file, options);
+  auto motion =
+      motion_of(robot, file, options,
+                [&](const std::shared_ptr<const Robot>& whole, const ReadMotionOptions& of_whole) {
+                  return read_raw(bytes, whole, file, of_whole);
+                });
   if (motion) motion->bytes = bytes.size();
   return motion;
 }
@@ -324,8 +352,11 @@ Result<RobotMotion> load_robot_motion(const std::string& path,
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     if (is_sonic_folder(path)) {
-      TRY_ASSIGN(auto raw, read_sonic_folder({}, robot, path, options));
-      return interpret_motion(raw, robot, path, options);
+      return motion_of(
+          robot, path, options,
+          [&](const std::shared_ptr<const Robot>& whole, const ReadMotionOptions& of_whole) {
+            return read_sonic_folder({}, whole, path, of_whole);
+          });
     }
     return input_failure(path, "expected a robot motion, found a directory",
                          "give files in it, such as " +

@@ -69,16 +69,6 @@ std::vector<std::shared_ptr<const Robot>> layout_candidates(
   return candidates;
 }
 
-// Maps joints of a variant, which may have its own model, to the robot's.
-std::vector<int> joints_among(const Robot& robot, const Robot& variant,
-                              const std::vector<int>& joints) {
-  std::vector<int> found;
-  for (const int joint : joints) {
-    if (const auto own = robot.find_joint(variant.joints()[joint].name)) found.push_back(*own);
-  }
-  return found;
-}
-
 // Chooses the layout of the robot or of a variant that fits best.
 Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
                                    const TrainerArrays& arrays, const ArraySource& npz,

@@ -118,6 +118,10 @@ struct RawMotion {
 /// Output joints of a variant; of the whole robot if `name` is empty.
 [[nodiscard]] std::vector<int> output_joints_of(const Robot& robot, const std::string& name);
 
+/// Maps joints of a variant, which may have its own model, to the robot's.
+[[nodiscard]] std::vector<int> joints_among(const Robot& robot, const Robot& variant,
+                                            const std::vector<int>& joints);
+
 /// Evidence for each of the two orders of four quaternion columns.
 struct OrderEvidence {
   double upright[2] = {0.0, 0.0};  ///< Mean z component of the root's z axis, by QuaternionOrder.

@@ -268,6 +268,15 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
       OPTION("source-dof") " chooses one");
 }
 
+std::vector<int> joints_among(const Robot& robot, const Robot& variant,
+                              const std::vector<int>& joints) {
+  std::vector<int> found;
+  for (const int joint : joints) {
+    if (const auto own = robot.find_joint(variant.joints()[joint].name)) found.push_back(*own);
+  }
+  return found;
+}
+
 Result<RobotMotion> interpret_motion(RawMotion& raw, const std::shared_ptr<const Robot>& robot,
                                      const std::string& file, const ReadMotionOptions& options) {
   return MotionInterpreter(raw, robot, file, options).interpret();

@@ -162,6 +162,16 @@ Result<NumberTable> read_table(const std::string& path, std::size_t max_bytes) {
   return table;
 }
 
+// The robot, or its variant that has this number of joints: the order of the columns is its own.
+Result<std::shared_ptr<const Robot>> robot_of_folder(const std::shared_ptr<const Robot>& robot,
+                                                     std::size_t joints, const RawMotion& raw,
+                                                     const std::string& path,
+                                                     const std::string& variant) {
+  TRY_ASSIGN(const auto found, joints_by_count(*robot, joints, raw, path, variant));
+  if (found == robot->output_joints()) return robot;
+  return robot_variant(robot, variants_by_count(*robot, joints, raw.format, variant).front());
+}
+
 // Indices into the layout of the bodies in the files: those of the metadata, otherwise all bodies
 // or the tracked ones, by their number. Empty: unknown.
 std::vector<std::size_t> bodies_of_folder(const std::string& path, const Robot& robot,
@@ -250,21 +260,17 @@ Result<RawMotion> read_sonic_folder(std::string_view /*bytes*/,
       turns.columns < 4) {
     return input_failure(path, "its files have different numbers of frames or bodies");
   }
-  const TrackingLayout layout = tracking_layout(*robot, MotionFormat::kCsvSonic);
-  if (layout.joints.size() != joints.columns) {
-    return input_failure(path,
-                         fmt::format("the motion has {} joints, the robot {} has {}",
-                                     joints.columns, robot->name(), layout.joints.size()),
-                         "is it for another robot?");
-  }
   RawMotion raw;
   raw.format = MotionFormat::kCsvSonic;
+  TRY_ASSIGN(const auto variant,
+             robot_of_folder(robot, joints.columns, raw, path, options.variant));
+  const TrackingLayout layout = tracking_layout(*variant, MotionFormat::kCsvSonic);
   raw.rate = kSonicRate;
   raw.order = raw.usual = QuaternionOrder::kWxyz;
   set_units_of_format(raw);
   raw.frames = joints.rows;
   raw.joint_count = joints.columns;
-  raw.joint_indices = layout.joints;
+  raw.joint_indices = joints_among(*robot, *variant, layout.joints);
   raw.joints = std::move(joints.values);
   for (std::size_t frame = 0; frame < raw.frames; ++frame) {
     // The first body is the root.
@@ -277,8 +283,10 @@ Result<RawMotion> read_sonic_folder(std::string_view /*bytes*/,
   }
   if (places.columns % 3 == 0) {
     std::size_t column = 0;
-    for (const std::size_t body : bodies_of_folder(path, *robot, layout, places.columns / 3)) {
-      raw.places.bodies.push_back({column++, {layout.bodies[body], Eigen::Vector3d::Zero()}});
+    for (const std::size_t i : bodies_of_folder(path, *variant, layout, places.columns / 3)) {
+      const auto body = robot->find_body(variant->bodies()[layout.bodies[i]].name);
+      if (body) raw.places.bodies.push_back({column, {*body, Eigen::Vector3d::Zero()}});
+      ++column;
     }
     raw.places.positions = std::move(places.values);
   }

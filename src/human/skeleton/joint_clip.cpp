@@ -11,6 +11,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/calibrate.h"
+#include "human/skeleton/exchanged_sides.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/joint_tree.h"
 #include "human/skeleton/limb_directions.h"
@@ -36,6 +37,7 @@ constexpr double kFixedOffset = 1e-5;
 struct FoundTree {
   JointTree tree;
   std::string order;
+  bool is_exchanged = false;  // The sides of the named joints were exchanged.
 };
 
 Result<FoundTree> tree_of_names(const JointMotion& motion, const std::string& name) {
@@ -47,6 +49,11 @@ Result<FoundTree> tree_of_names(const JointMotion& motion, const std::string& na
                          "give every joint a unique name");
   }
   auto tree = joint_tree(motion, motion.names);
+  if (tree && motion.rotations.empty() && sides_are_exchanged(*tree)) {
+    tree = joint_tree(with_exchanged_sides(motion), motion.names);
+    if (tree && !sides_are_exchanged(*tree)) return FoundTree{*std::move(tree), {}, true};
+    tree = joint_tree(motion, motion.names);
+  }
   if (tree) return FoundTree{*std::move(tree), {}};
   return input_failure(
       name, "no human found in the joints " + list_names(motion.names, 8),
@@ -396,6 +403,12 @@ std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::
   if (!found.order.empty()) {
     texts.push_back(fmt::format(
         "the joints have no names; the positions match the joint order of {}", found.order));
+  }
+  if (found.is_exchanged) {
+    texts.emplace_back(
+        "knees bend and toes point backwards, so the names or the axes exchange left and right: the "
+        "names are exchanged back; if the axes are mirrored, " OPTION("mirror") " corrects the "
+        "motion");
   }
   if (!found.tree.made.empty()) {
     texts.push_back(fmt::format("no joints for {}: placed midway between left and right",

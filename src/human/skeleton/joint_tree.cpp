@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "human/skeleton/candidate.h"
+#include "human/skeleton/exchanged_sides.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/limb_segments.h"
 #include "retarget/statistics.h"
@@ -309,33 +310,6 @@ bool is_within(double value, double low, double high) {
   return value >= low && value <= high;
 }
 
-// Agreement of knees and toes with the front that follows from left and right hips and shoulders;
-// about 1: forwards.
-double facing_of(const JointTree& tree) {
-  const auto place = [&](Bone bone, int frame) -> const Vector3d& {
-    return tree.tracks[tree.joint_of_bone[bone]][frame];
-  };
-  const int frames = tree.frame_count(), step = std::max(1, frames / 200);
-  double sum = 0.0;
-  int count = 0;
-  for (int frame = 0; frame < frames; frame += step) {
-    const Vector3d across = place(Bone::kLeftUpLeg, frame) - place(Bone::kRightUpLeg, frame);
-    const Vector3d shoulders = 0.5 * (place(Bone::kLeftArm, frame) + place(Bone::kRightArm, frame));
-    const Vector3d front = across.cross(shoulders - place(Bone::kHips, frame)).normalized();
-    for (const Side side : kSides) {
-      const Vector3d& hip = place(side_bone(side, kUpLeg), frame);
-      const Vector3d& knee = place(side_bone(side, kLeg), frame);
-      const Vector3d& ankle = place(side_bone(side, kFoot), frame);
-      const int toe = tree.joint_of_bone[side_bone(side, kToe)];
-      const Vector3d foot =
-          toe >= 0 ? Vector3d(tree.tracks[toe][frame] - ankle) : Vector3d(Vector3d::Zero());
-      sum += leg_facing(knee - hip, ankle - knee, foot, front);
-      ++count;
-    }
-  }
-  return sum / count;
-}
-
 }  // namespace
 
 std::optional<JointTree> joint_tree(const JointMotion& motion,
@@ -381,7 +355,7 @@ std::optional<double> misfit_of_body(const JointTree& tree) {
                        hips && is_within(hips->mean / leg, 0.05, 0.6) && shoulders &&
                        is_within(shoulders->mean / leg, 0.2, 0.8) && trunk &&
                        is_within(trunk->mean / leg, 0.1, 1.0);
-  if (!is_body || facing_of(tree) < -kMinSwapEvidence) return std::nullopt;
+  if (!is_body || facing_by(tree, kUpLeg) < -kMinSwapEvidence) return std::nullopt;
   return misfit;
 }
 

@@ -169,7 +169,8 @@ Result<void> prepare_serve(ServeRequest& request) {
                          "for example " RETARGET_OPTION("robot") " g1 and " RETARGET_OPTION(
                              "input") " udp:1118?format=bvh");
   }
-  return check_robot_choice(request.robot);
+  RETARGET_TRY(check_robot_choice(request.robot));
+  return check_config_choice(request.robot, request.serve.pipeline.run.solve);
 }
 
 Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request,

@@ -24,13 +24,13 @@
 #include "solve/robot_setup/import_robot.h"
 #include "solve/robot_setup/self_test.h"
 #include "solve/robot_setup/t_pose.h"
+#include "solve/targets/check_offsets.h"
 #include "solve/targets/targets.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kOddOffset = 8.0 * (std::numbers::pi / 180.0);
-constexpr double kWrongOffset = 75.0 * (std::numbers::pi / 180.0);
 // Distances of a foot's target beyond the leg's reach for a note and for an error, fraction of the
 // leg's length.
 constexpr double kOddReach = 0.03;
