@@ -141,9 +141,12 @@ struct MirroredHuman {
 /// mirror() for a clip whose calibration is kept. Rotations that a calibration learned, or took
 /// from a pose that is only nearly a T-pose, may be asymmetric: with the calibration of the
 /// original, such errors would have the same sign in both clips, instead of opposite signs.
-[[nodiscard]] Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration);
+/// @param plane  the mirror_plane() of the clip as it was read, because cleaning may move the first
+///               frame.
+[[nodiscard]] Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration,
+                                                 const MirrorPlane& plane);
 
-/// The plane of mirror() and mirror_human(), for the scene of a clip.
+/// The plane of mirror(): vertical, through the hips of the first frame along their heading.
 /// @param clip  at least one frame.
 [[nodiscard]] MirrorPlane mirror_plane(const Clip& clip, const Calibration& calibration);
 

@@ -7,6 +7,7 @@
 #include "retarget/ground_path.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
+#include "retarget/trigonometry.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -102,13 +103,23 @@ Calibration mirrored_calibration(const Calibration& calibration, const BodyMirro
 }
 
 // Moves a mirrored clip back to the start position and heading of the original.
-Result<void> move_to_start(const Clip& clip, const Calibration& calibration, Clip& image,
-                           const Calibration& of_image) {
+Result<void> move_to_start(const Clip& clip, const Calibration& calibration, Clip& image) {
   RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   if (clip.frame_count() == 0) return {};
   const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), calibration)).front();
-  const GroundPose is = hips_over_ground(to_human(cut(image, 0, 1), of_image)).front();
+  const GroundPose is = hips_over_ground(to_human(cut(image, 0, 1), calibration)).front();
   mover.move_all(image, (was * is.inverse()).in_space());
+  return {};
+}
+
+// Turns the image at the plane y = 0 into that at another plane.
+Result<void> move_to_plane(const Clip& clip, const Calibration& calibration,
+                           const MirrorPlane& plane, Clip& image) {
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  const double heading = portable::atan2(-plane.normal.x(), plane.normal.y());
+  const GroundPose on_plane{plane.point.head<2>(), heading};
+  const GroundPose at_image{{plane.point.x(), -plane.point.y()}, -heading};
+  mover.move_all(image, (on_plane * at_image.inverse()).in_space());
   return {};
 }
 
@@ -117,15 +128,16 @@ Result<void> move_to_start(const Clip& clip, const Calibration& calibration, Cli
 Result<Clip> mirror(const Clip& clip, const Calibration& calibration) {
   RETARGET_TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
   Clip result = Mirroring(clip, calibration, body).run();
-  RETARGET_TRY(move_to_start(clip, calibration, result, calibration));
+  RETARGET_TRY(move_to_start(clip, calibration, result));
   return result;
 }
 
-Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration) {
+Result<MirroredHuman> mirror_human(const Clip& clip, const Calibration& calibration,
+                                   const MirrorPlane& plane) {
   RETARGET_TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
   MirroredHuman result{Mirroring(clip, calibration, body).run(),
                        mirrored_calibration(calibration, body)};
-  RETARGET_TRY(move_to_start(clip, calibration, result.clip, result.calibration));
+  RETARGET_TRY(move_to_plane(clip, calibration, plane, result.clip));
   return result;
 }
 

@@ -80,6 +80,17 @@ class Clean(ToolTest):
                 for line in (self.folder / name).read_text().splitlines()
                 if line[0] in "-0123456789"]
 
+    def test_the_mirror_image_of_a_cleaned_clip_is_that_of_its_file(self):
+        source = self.noisy("walk", lambda m: noise.root_noise(m, 0.15, 0.06))
+        self.assertIn("cleaned  the root moved", self.run_on(source, "--mirror"))
+        self.assert_done(self.run_tool("edit", "mirror", source, "-o", "mirrored.bvh"))
+        self.run_on("mirrored.bvh", output="of_file.csv")
+        rows = [[[float(value) for value in line.split(",")]
+                 for line in (self.folder / name).read_text().splitlines()]
+                for name in ("out.csv", "of_file.csv")]
+        for one, other in zip(*rows, strict=True):
+            self.assertLess(math.dist(one[:3], other[:3]), 0.002)
+
     def test_noise_of_the_root_is_undone(self):
         cases = {
             "depth and height": lambda m: noise.root_noise(m, 0.15, 0.06),

@@ -74,7 +74,8 @@ TEST(Mirror, MirrorsErrorsOfTheCalibration) {
       source.joint_from_bone =
           source.joint_from_bone.value_or(Eigen::Quaterniond::Identity()) * exp_so3(0.2 * error);
     }
-    const MirroredHuman image = mirror_human(sample.clip, calibration).value();
+    const MirroredHuman image =
+        mirror_human(sample.clip, calibration, mirror_plane(sample.clip, calibration)).value();
     const HumanClip before = to_human(sample.clip, calibration);
     const HumanClip after = to_human(image.clip, image.calibration);
     const Pose start = hips_over_ground(before).front().in_space();
@@ -93,7 +94,9 @@ TEST(Mirror, MirrorsErrorsOfTheCalibration) {
       }
     }
     // The calibration of a symmetric body is unchanged, to the bit.
-    const MirroredHuman exact = mirror_human(sample.clip, sample.calibration).value();
+    const MirroredHuman exact =
+        mirror_human(sample.clip, sample.calibration, mirror_plane(sample.clip, sample.calibration))
+            .value();
     for (const Bone bone : kMappedBones) {
       EXPECT_EQ(exact.calibration.bones[bone].joint_from_bone.has_value(),
                 sample.calibration.bones[bone].joint_from_bone.has_value());

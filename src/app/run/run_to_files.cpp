@@ -265,14 +265,16 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
 namespace {
 
 // Replaces the clip, its calibration and its surroundings by their mirror images.
-Result<void> mirror_plan(Plan& plan) {
+// @param first  the first frame as read, which cleaning and travel may have moved.
+Result<void> mirror_plan(const Clip& first, Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
+  const MirrorPlane plane = mirror_plane(first, calibration);
   TRY_ASSIGN(MirroredHuman image,
-             located(mirror_human(*plan.clip, calibration), plan.clip->name()));
+             located(mirror_human(*plan.clip, calibration, plane), plan.clip->name()));
   image.clip.set_origin(plan.clip->origin());
   if (plan.scene) {
     Scene scene = *plan.scene;
-    mirror_scene(mirror_plane(*plan.clip, calibration), scene, plan.object_tracks);
+    mirror_scene(plane, scene, plan.object_tracks);
     plan.scene = std::make_shared<const Scene>(std::move(scene));
   }
   for (ContactEdit& edit : plan.contact_edits) edit.part = part_of_other_side(edit.part);
@@ -298,12 +300,13 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
 
 Result<Plan> plan_clip(Clip clip, const Run& run, const RunRequest& request,
                        const RobotSetup& robot, Observer& observer) {
+  const Clip first = cut(clip, 0, std::min(clip.frame_count(), 1));
   TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
   observer.lines(plan.human.lines());
   observer.warn(plan.doubts(), plan.clip->name());
   observer.lines(plan.clip_notes);
   if (request.mirror) {
-    TRY(mirror_plan(plan));
+    TRY(mirror_plan(first, plan));
     observer.line("mirrored", "left for right");
   }
   TRY(save_bone_map(request.write_map, plan.human.map, plan.clip->skeleton()));

@@ -44,8 +44,7 @@ std::string wrong_offsets(const Robot& robot, const ResolvedConfig& config) {
   constexpr std::size_t kShown = 4;
   return fmt::format(
       "the rotation offsets of {} belong to another model than {}, or to another skeleton: they "
-      "turn "
-      "limbs away from their directions, {}",
+      "turn limbs away from their directions, {}",
       config.file, robot.name(), list_names(wrong, kShown));
 }
 
