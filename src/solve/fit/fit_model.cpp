@@ -10,6 +10,7 @@
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "robot/model/sole_ends.h"
+#include "solve/fit/arm_tasks.h"
 #include "solve/fit/shorthand.h"
 
 namespace retarget {
@@ -71,6 +72,7 @@ FitModel ModelMaker::make() {
   add_tasks();
   add_feet();
   hold_unmapped_joints();
+  relate_arm_tasks(options_.weights, model_);
   add_shapes();
   add_foot_shapes();
   if (options_.contact) model_.supports = support_bodies(robot_, config_);
@@ -187,15 +189,6 @@ void ModelMaker::add_tasks() {
     // The x axis of a bone points along it.
     task.twist_axis = task.link_from_body * (row.rotation_offset.conjugate() * Vector3d::UnitX());
     model_.tasks.push_back(task);
-  }
-  for (FitTask& task : model_.tasks) {
-    if (limb_bone(task.bone) != LimbBone::kArm) continue;
-    const auto forearm = std::ranges::find_if(model_.tasks, [&](const FitTask& one) {
-      return limb_bone(one.bone) == LimbBone::kForeArm && side_of(one.bone) == side_of(task.bone);
-    });
-    if (forearm == model_.tasks.end()) continue;
-    task.forearm = static_cast<int>(forearm - model_.tasks.begin());
-    task.straight_twist = options_.weights.straight_upper_arm_twist;
   }
 }
 
